@@ -1,0 +1,21 @@
+//! What every part of Hearsight agrees on: time, geometry, pictures, sound, moments and results.
+//!
+//! This crate knows no sensor driver, cue or filter. Everything else depends on it; it depends on no sibling.
+//!
+//! * [`Instant`], [`Span`] — nanoseconds on the common clock.
+//! * [`geometry`] — poses, points and pixels, each frame of reference a type of its own.
+//! * [`picture`] — views of grey and colour pictures and binary masks.
+//! * [`moment`] — what arrived within one tick; [`source`] — the traits of what delivers it.
+//! * [`record`] — the published scene, with its schema version.
+
+pub mod geometry;
+pub mod moment;
+pub mod picture;
+pub mod record;
+pub mod source;
+pub mod time;
+
+pub use geometry::{CameraPoint, DistortedPixel, Pose, Ray, UndistortedPixel, WorldPoint};
+pub use moment::{AudioBlock, Fault, FaultKind, Moment, VideoFrame};
+pub use picture::{GrayView, Mask, Rectangle, RgbView};
+pub use time::{Instant, Span};
