@@ -1,1 +1,23 @@
-//! placeholder
+//! What Hearsight sees with: integral images, histograms, change detection, backgrounds, regions and cascades.
+//!
+//! Mathematics on borrowed pixels only: no camera, no file, no person. Buffers live in the objects that fill them and
+//! are reused from picture to picture.
+//!
+//! * [`integral`] — sums, sums of squares and tilted sums over rectangles.
+//! * [`histogram`] — colour histograms inside ellipses and their Bhattacharyya distance.
+//! * [`change`] — colour change between two pictures; [`mask`] — the median and dilation that clean it.
+//! * [`background`] — the picture without people, learnt as it comes.
+//! * [`regions`] — connected components of a mask.
+
+// pub mod background;
+pub mod change;
+pub mod error;
+pub mod histogram;
+pub mod integral;
+pub mod mask;
+pub mod regions;
+pub mod silhouette;
+
+mod bits;
+
+pub use error::VisionError;
