@@ -3,7 +3,7 @@
 //! World: metres, right-handed, z up. Camera: x right, y down, z forward, metres. Pixel (0, 0) is the centre of the
 //! top-left pixel. Each is a type of its own, so that a distorted pixel is never taken for an ideal one.
 
-use nalgebra::{Isometry3, Point3, Unit, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// A point in the world, metres.
@@ -94,7 +94,34 @@ impl Ray {
 impl Pose {
     /// A sensor at the world's origin whose axes are the world's.
     pub fn identity() -> Self {
-        Self { sensor_from_world: Isometry3::identity() }
+        Self {
+            sensor_from_world: Isometry3::identity(),
+        }
+    }
+
+    /// A sensor at `position` whose z axis points at `target`, upright: its x axis is horizontal and, unless it looks
+    /// straight up or down, its y axis points below the horizon. Straight up or down, x is the world's x. `None`
+    /// where the two are the same place or not finite.
+    pub fn looking_at(position: WorldPoint, target: WorldPoint) -> Option<Self> {
+        let forward = (target.0 - position.0).try_normalize(1e-12)?;
+        let right = forward
+            .cross(&Vector3::z())
+            .try_normalize(1e-9)
+            .unwrap_or_else(Vector3::x);
+        let down = forward.cross(&right);
+        let rotation = Matrix3::from_rows(&[right.transpose(), down.transpose(), forward.transpose()]);
+        if !rotation
+            .iter()
+            .chain(position.0.iter())
+            .all(|number| number.is_finite())
+        {
+            return None;
+        }
+        let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
+        let translation = Translation3::from(-(rotation * position.0.coords));
+        Some(Self {
+            sensor_from_world: Isometry3::from_parts(translation, rotation),
+        })
     }
 
     /// A point of the world in the sensor's frame.
@@ -110,5 +137,35 @@ impl Pose {
     /// Where the sensor's origin is in the world.
     pub fn centre(&self) -> WorldPoint {
         self.world_from_camera(CameraPoint(Point3::origin()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sensor_that_looks_at_a_point_has_it_straight_ahead() {
+        let eye = WorldPoint::new(1.0, -2.0, 1.5);
+        for target in [
+            [0.0, 0.0, 1.0],
+            [1.0, 5.0, 1.5],
+            [1.0, -2.0, 0.0],
+            [1.0, -2.0, 3.0],
+        ] {
+            let target = WorldPoint(target.into());
+            let pose = Pose::looking_at(eye, target).unwrap();
+            let seen = pose.camera_from_world(target).0;
+            assert!(
+                seen.x.abs() < 1e-12 && seen.y.abs() < 1e-12 && seen.z > 0.0,
+                "{seen}"
+            );
+            assert!(pose.centre().distance_m(eye) < 1e-12);
+        }
+        let level = Pose::looking_at(eye, WorldPoint::new(0.0, 0.0, 1.5)).unwrap();
+        let above = level.camera_from_world(WorldPoint::new(0.0, 0.0, 2.5)).0;
+        assert!(above.y < 0.0, "up in the world is up in the picture: {above}");
+        assert_eq!(Pose::looking_at(eye, eye), None);
+        assert_eq!(Pose::looking_at(eye, WorldPoint::new(f64::NAN, 0.0, 0.0)), None);
     }
 }

@@ -4,18 +4,23 @@
 //!
 //! * [`Instant`], [`Span`] — nanoseconds on the common clock.
 //! * [`geometry`] — poses, points and pixels, each frame of reference a type of its own.
+//! * [`camera`] — lenses: points of the world to pixels and back; [`microphones`] — arrays and their delays.
 //! * [`picture`] — views of grey and colour pictures and binary masks.
 //! * [`moment`] — what arrived within one tick; [`source`] — the traits of what delivers it.
 //! * [`record`] — the published scene, with its schema version.
 
+pub mod camera;
 pub mod geometry;
+pub mod microphones;
 pub mod moment;
 pub mod picture;
 pub mod record;
 pub mod source;
 pub mod time;
 
+pub use camera::{Camera, CameraModel, Projection};
 pub use geometry::{CameraPoint, DistortedPixel, Pose, Ray, UndistortedPixel, WorldPoint};
+pub use microphones::{MicrophoneArray, MicrophonePair};
 pub use moment::{AudioBlock, Fault, FaultKind, Moment, VideoFrame};
 pub use picture::{GrayView, Mask, Rectangle, RgbView};
 pub use time::{Instant, Span};

@@ -73,7 +73,9 @@ pub struct Fault {
 }
 
 /// The kinds of fault a source can report.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum FaultKind {
     /// Data that should have come between two others did not.
@@ -95,12 +97,20 @@ pub enum FaultKind {
 impl VideoFrame {
     /// The colour picture.
     pub fn rgb_view(&self) -> RgbView<'_> {
-        RgbView { width: self.width, height: self.height, data: &self.rgb }
+        RgbView {
+            width: self.width,
+            height: self.height,
+            data: &self.rgb,
+        }
     }
 
     /// The luma picture.
     pub fn luma_view(&self) -> GrayView<'_> {
-        GrayView { width: self.width, height: self.height, data: &self.luma }
+        GrayView {
+            width: self.width,
+            height: self.height,
+            data: &self.luma,
+        }
     }
 }
 

@@ -83,7 +83,11 @@ impl<'a> RgbView<'a> {
 impl Mask {
     /// A mask with every pixel off.
     pub fn new(width: usize, height: usize) -> Self {
-        Self { width, height, data: vec![0; width * height] }
+        Self {
+            width,
+            height,
+            data: vec![0; width * height],
+        }
     }
 
     /// Gives the mask a size, keeping its memory; contents are unspecified after a change of size.
@@ -95,19 +99,33 @@ impl Mask {
 
     /// The mask as a grey picture.
     pub fn view(&self) -> GrayView<'_> {
-        GrayView { width: self.width, height: self.height, data: &self.data }
+        GrayView {
+            width: self.width,
+            height: self.height,
+            data: &self.data,
+        }
     }
 }
 
 impl Rectangle {
     /// A rectangle from its left and top edge, width and height.
     pub const fn new(left: f32, top: f32, width: f32, height: f32) -> Self {
-        Self { left, top, width, height }
+        Self {
+            left,
+            top,
+            width,
+            height,
+        }
     }
 
     /// A rectangle from its centre and size.
     pub fn from_centre(x: f32, y: f32, width: f32, height: f32) -> Self {
-        Self { left: x - width / 2.0, top: y - height / 2.0, width, height }
+        Self {
+            left: x - width / 2.0,
+            top: y - height / 2.0,
+            width,
+            height,
+        }
     }
 
     /// The first column outside on the right.
@@ -136,7 +154,12 @@ impl Rectangle {
         let top = self.top.max(other.top);
         let width = (self.right().min(other.right()) - left).max(0.0);
         let height = (self.bottom().min(other.bottom()) - top).max(0.0);
-        Self { left, top, width, height }
+        Self {
+            left,
+            top,
+            width,
+            height,
+        }
     }
 
     /// Intersection over union, 0 to 1; 0 for two empty rectangles.

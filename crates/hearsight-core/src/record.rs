@@ -107,7 +107,12 @@ pub struct SoundRecord {
 
 impl From<Rectangle> for BoxRecord {
     fn from(r: Rectangle) -> Self {
-        Self { left: r.left.into(), top: r.top.into(), width: r.width.into(), height: r.height.into() }
+        Self {
+            left: r.left.into(),
+            top: r.top.into(),
+            width: r.width.into(),
+            height: r.height.into(),
+        }
     }
 }
 
@@ -123,10 +128,16 @@ mod tests {
     #[test]
     fn schema_names_every_field_of_a_scene() {
         let schema = scene_schema();
-        let scene = Scene { faults: vec![], ..Scene::default() };
+        let scene = Scene {
+            faults: vec![],
+            ..Scene::default()
+        };
         let written = serde_json::to_value(&scene).unwrap();
         for key in written.as_object().unwrap().keys() {
-            assert!(schema["properties"].get(key).is_some(), "{key} is not in the schema");
+            assert!(
+                schema["properties"].get(key).is_some(),
+                "{key} is not in the schema"
+            );
         }
     }
 }

@@ -178,6 +178,9 @@ mod tests {
     fn seconds_round_to_the_nearest_nanosecond() {
         assert_eq!(Instant::from_seconds(13.12).nanoseconds(), 13_120_000_000);
         assert_eq!(Instant::from_seconds(f64::NAN), Instant::ZERO);
-        assert_eq!(Instant::from_seconds(1.5) - Instant::from_seconds(2.0), Span::from_seconds(-0.5));
+        assert_eq!(
+            Instant::from_seconds(1.5) - Instant::from_seconds(2.0),
+            Span::from_seconds(-0.5)
+        );
     }
 }
