@@ -76,7 +76,7 @@ impl ChangeDetector {
 
 /// 255 for each pixel of which any channel differs by more than `threshold`, else 0.
 #[multiversion(targets("x86_64+avx2", "x86_64+sse4.1"))]
-fn flag_row(picture: &[u8], reference: &[u8], threshold: u8, flags: &mut [u8]) {
+pub(crate) fn flag_row(picture: &[u8], reference: &[u8], threshold: u8, flags: &mut [u8]) {
     let (picture, _) = picture.as_chunks::<3>();
     let (reference, _) = reference.as_chunks::<3>();
     for ((a, b), flag) in picture.iter().zip(reference).zip(flags) {

@@ -9,7 +9,7 @@
 //! * [`background`] — the picture without people, learnt as it comes.
 //! * [`regions`] — connected components of a mask.
 
-// pub mod background;
+pub mod background;
 pub mod change;
 pub mod error;
 pub mod histogram;
