@@ -5,16 +5,19 @@
 //! * [`Instant`], [`Span`] — nanoseconds on the common clock.
 //! * [`geometry`] — poses, points and pixels, each frame of reference a type of its own.
 //! * [`camera`] — lenses: points of the world to pixels and back; [`microphones`] — arrays and their delays.
+//! * [`calibration`] — files to cameras.
 //! * [`picture`] — views of grey and colour pictures and binary masks.
 //! * [`moment`] — what arrived within one tick; [`source`] — the traits of what delivers it.
 //! * [`record`] — the published scene, with its schema version.
 
+pub mod calibration;
 pub mod camera;
 pub mod geometry;
 pub mod microphones;
 pub mod moment;
 pub mod picture;
 pub mod record;
+pub mod room;
 pub mod source;
 pub mod time;
 

@@ -47,4 +47,3 @@ pub struct ArraySensor {
     /// The camera that a single-view system pairs this array with.
     pub camera: Option<usize>,
 }
-

@@ -271,10 +271,7 @@ mod tests {
         assert_eq!(camera.project(CameraPoint::new(0.1, 0.1, -1.0)), None);
         assert_eq!(camera.project(CameraPoint::new(0.1, 0.1, 0.0)), None);
         assert_eq!(camera.project(CameraPoint::new(f64::NAN, 0.1, 1.0)), None);
-        assert_eq!(
-            camera.project(CameraPoint::new(0.1, 0.1, f64::INFINITY)),
-            Some(camera.centre())
-        );
+        assert_eq!(camera.project(CameraPoint::new(0.1, 0.1, f64::INFINITY)), None);
         assert_eq!(camera.undistort(DistortedPixel::new(1e5, 0.0)), None);
         assert_eq!(camera.undistort(DistortedPixel::new(f64::NAN, 0.0)), None);
         assert_eq!(camera.distort(UndistortedPixel::new(f64::INFINITY, 0.0)), None);
