@@ -1,0 +1,369 @@
+//! Decoded libav pictures to RGB and full-range luma.
+//!
+//! Planar 8-bit YUV, which nearly every camera and codec delivers, is converted here in integers, straight into the
+//! frame's own memory: the result is the same on every machine, whatever SIMD it has. swscale first brings anything
+//! else to a form that this module takes, and pictures that change their size in mid-stream to the declared size.
+
+use ffmpeg_next::color;
+use ffmpeg_next::format::Pixel;
+use ffmpeg_next::frame;
+use ffmpeg_next::software::scaling;
+use hearsight_core::VideoFrame;
+
+/// Fixed-point one.
+const ONE: f64 = 65_536.0;
+const HALF: i32 = 32_768;
+
+/// Turns libav frames of any format into frames of one size.
+pub(crate) struct PictureConverter {
+    width: usize,
+    height: usize,
+    scaler: Option<Scaler>,
+    matrix: Option<(color::Space, bool, Matrix)>,
+}
+
+struct Scaler {
+    context: scaling::Context,
+    from: (Pixel, u32, u32),
+    picture: frame::Video,
+}
+
+// SAFETY (of a scaler moved between threads): swscale's context has no tie to the thread that made it, and the
+// converter is used by one thread at a time, since every use takes `&mut self`.
+#[expect(unsafe_code, reason = "the bindings leave the scaling context without Send")]
+unsafe impl Send for Scaler {}
+
+/// YUV to RGB in 16-bit fixed point.
+#[derive(Clone)]
+struct Matrix {
+    /// Luma code to full-range luma.
+    luma: [u8; 256],
+    /// Luma code to fixed point, rounding included.
+    scaled: [i32; 256],
+    red_from_v: i32,
+    green_from_u: i32,
+    green_from_v: i32,
+    blue_from_u: i32,
+}
+
+impl PictureConverter {
+    /// A converter to pictures of the given size.
+    pub(crate) fn new(width: usize, height: usize) -> Self {
+        Self {
+            width,
+            height,
+            scaler: None,
+            matrix: None,
+        }
+    }
+
+    /// Fills `frame`'s pixels and size from `decoded`.
+    pub(crate) fn convert(
+        &mut self,
+        decoded: &frame::Video,
+        frame: &mut VideoFrame,
+    ) -> Result<(), ffmpeg_next::Error> {
+        let (width, height) = (self.width, self.height);
+        frame.width = width;
+        frame.height = height;
+        frame.rgb.resize(width * height * 3, 0);
+        frame.luma.resize(width * height, 0);
+        let same_size = decoded.width() as usize == width && decoded.height() as usize == height;
+        if same_size && is_direct(decoded) {
+            return self.unpack(decoded, is_full_range(decoded), frame);
+        }
+        let full = is_full_range(decoded);
+        let mut scaler = match self.scaler.take() {
+            Some(scaler) if scaler.from == (decoded.format(), decoded.width(), decoded.height()) => scaler,
+            _ => Scaler::new(decoded, width, height)?,
+        };
+        scaler.context.run(decoded, &mut scaler.picture)?;
+        scaler.picture.set_color_space(decoded.color_space());
+        let result = self.unpack(&scaler.picture, full, frame);
+        self.scaler = Some(scaler);
+        result
+    }
+
+    fn unpack(
+        &mut self,
+        picture: &frame::Video,
+        full: bool,
+        frame: &mut VideoFrame,
+    ) -> Result<(), ffmpeg_next::Error> {
+        let (width, height) = (self.width, self.height);
+        if picture.format() == Pixel::RGB24 {
+            copy_rgb(picture, frame);
+            return Ok(());
+        }
+        if picture.format() == Pixel::GRAY8 {
+            copy_gray(picture, frame);
+            return Ok(());
+        }
+        let (across, down) = chroma_shift(picture.format());
+        let space = picture.color_space();
+        let matrix = match &mut self.matrix {
+            Some((known, range, matrix)) if *known == space && *range == full => matrix,
+            slot => &mut slot.insert((space, full, Matrix::new(space, full))).2,
+        };
+        let (luma, blue, red) = (picture.data(0), picture.data(1), picture.data(2));
+        let (luma_stride, blue_stride, red_stride) =
+            (picture.stride(0), picture.stride(1), picture.stride(2));
+        let chroma_width = width.div_ceil(1 << across);
+        for y in 0..height {
+            let codes = &luma[y * luma_stride..][..width];
+            let u = &blue[(y >> down) * blue_stride..][..chroma_width];
+            let v = &red[(y >> down) * red_stride..][..chroma_width];
+            let gray = &mut frame.luma[y * width..][..width];
+            for (gray, code) in gray.iter_mut().zip(codes) {
+                *gray = matrix.luma[usize::from(*code)];
+            }
+            let rgb = &mut frame.rgb[y * width * 3..][..width * 3];
+            if across == 1 {
+                matrix.row_of_pairs(codes, u, v, rgb);
+            } else {
+                matrix.row(codes, u, v, across, rgb);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Scaler {
+    fn new(decoded: &frame::Video, width: usize, height: usize) -> Result<Self, ffmpeg_next::Error> {
+        let from = (decoded.format(), decoded.width(), decoded.height());
+        let to = intermediate(decoded.format());
+        let context = scaling::Context::get(
+            from.0,
+            from.1,
+            from.2,
+            to,
+            width as u32,
+            height as u32,
+            scaling::Flags::BILINEAR | scaling::Flags::ACCURATE_RND | scaling::Flags::BITEXACT,
+        )?;
+        Ok(Self {
+            context,
+            from,
+            picture: frame::Video::new(to, width as u32, height as u32),
+        })
+    }
+}
+
+impl Matrix {
+    fn new(space: color::Space, full: bool) -> Self {
+        // ITU-R BT.709-6, BT.2020-2 and BT.601-7; what is not tagged is BT.601, as libav itself assumes.
+        let (red, blue) = match space {
+            color::Space::BT709 => (0.2126, 0.0722),
+            color::Space::BT2020NCL | color::Space::BT2020CL => (0.2627, 0.0593),
+            _ => (0.299, 0.114),
+        };
+        let green = 1.0 - red - blue;
+        let chroma = if full { 1.0 } else { 255.0 / 224.0 };
+        let (black, gain) = if full { (0, 1.0) } else { (16, 255.0 / 219.0) };
+        let fixed = |value: f64| (value * ONE).round() as i32;
+        let mut matrix = Self {
+            luma: [0; 256],
+            scaled: [0; 256],
+            red_from_v: fixed(2.0 * (1.0 - red) * chroma),
+            green_from_u: -fixed(2.0 * (1.0 - blue) * blue / green * chroma),
+            green_from_v: -fixed(2.0 * (1.0 - red) * red / green * chroma),
+            blue_from_u: fixed(2.0 * (1.0 - blue) * chroma),
+        };
+        for code in 0..256_usize {
+            let value = f64::from(code as i32 - black) * gain;
+            matrix.luma[code] = value.round().clamp(0.0, 255.0) as u8;
+            matrix.scaled[code] = fixed(value) + HALF;
+        }
+        matrix
+    }
+
+    #[inline(always)]
+    fn chroma(&self, u: u8, v: u8) -> (i32, i32, i32) {
+        let (u, v) = (i32::from(u) - 128, i32::from(v) - 128);
+        (
+            self.red_from_v * v,
+            self.green_from_u * u + self.green_from_v * v,
+            self.blue_from_u * u,
+        )
+    }
+
+    #[inline(always)]
+    fn write(&self, code: u8, (red, green, blue): (i32, i32, i32), pixel: &mut [u8]) {
+        let luma = self.scaled[usize::from(code)];
+        pixel[0] = ((luma + red) >> 16).clamp(0, 255) as u8;
+        pixel[1] = ((luma + green) >> 16).clamp(0, 255) as u8;
+        pixel[2] = ((luma + blue) >> 16).clamp(0, 255) as u8;
+    }
+
+    /// A row whose chroma has half the width.
+    fn row_of_pairs(&self, codes: &[u8], u: &[u8], v: &[u8], rgb: &mut [u8]) {
+        let pairs = codes
+            .chunks_exact(2)
+            .zip(rgb.chunks_exact_mut(6))
+            .zip(u.iter().zip(v));
+        for ((codes, pixels), (u, v)) in pairs {
+            let chroma = self.chroma(*u, *v);
+            self.write(codes[0], chroma, &mut pixels[..3]);
+            self.write(codes[1], chroma, &mut pixels[3..6]);
+        }
+        if codes.len() % 2 == 1
+            && let (Some(code), Some(u), Some(v)) = (codes.last(), u.last(), v.last())
+        {
+            let at = rgb.len() - 3;
+            self.write(*code, self.chroma(*u, *v), &mut rgb[at..]);
+        }
+    }
+
+    fn row(&self, codes: &[u8], u: &[u8], v: &[u8], across: usize, rgb: &mut [u8]) {
+        for (x, (code, pixel)) in codes.iter().zip(rgb.chunks_exact_mut(3)).enumerate() {
+            self.write(*code, self.chroma(u[x >> across], v[x >> across]), pixel);
+        }
+    }
+}
+
+/// Whether the planes can be read without swscale.
+fn is_direct(picture: &frame::Video) -> bool {
+    let planes = match picture.format() {
+        Pixel::GRAY8 | Pixel::RGB24 => 1,
+        Pixel::YUV420P | Pixel::YUVJ420P | Pixel::YUV422P | Pixel::YUVJ422P => 3,
+        Pixel::YUV444P | Pixel::YUVJ444P | Pixel::YUV411P => 3,
+        _ => return false,
+    };
+    // Pictures stored bottom up have a negative stride, which these bindings show as an enormous one.
+    picture.planes() >= planes && (0..planes).all(|plane| picture.stride(plane) <= i32::MAX as usize)
+}
+
+/// Chroma is this many powers of two narrower and lower than luma.
+fn chroma_shift(format: Pixel) -> (usize, usize) {
+    match format {
+        Pixel::YUV420P | Pixel::YUVJ420P => (1, 1),
+        Pixel::YUV422P | Pixel::YUVJ422P => (1, 0),
+        Pixel::YUV411P => (2, 0),
+        _ => (0, 0),
+    }
+}
+
+/// The format to which swscale brings `format` without changing its range or matrix.
+fn intermediate(format: Pixel) -> Pixel {
+    let name = format.descriptor().map_or("", |descriptor| descriptor.name());
+    const YUV: [&str; 12] = [
+        "yuv", "nv", "uyvy", "yuyv", "yvyu", "uyyv", "p0", "p2", "p4", "y2", "xv", "vuy",
+    ];
+    const FULL: [Pixel; 5] = [
+        Pixel::YUVJ420P,
+        Pixel::YUVJ411P,
+        Pixel::YUVJ422P,
+        Pixel::YUVJ440P,
+        Pixel::YUVJ444P,
+    ];
+    if FULL.contains(&format) {
+        Pixel::YUVJ444P
+    } else if YUV.iter().any(|prefix| name.starts_with(prefix)) {
+        Pixel::YUV444P
+    } else if name.starts_with("gray") || name.starts_with("mono") {
+        Pixel::GRAY8
+    } else {
+        Pixel::RGB24
+    }
+}
+
+fn is_full_range(picture: &frame::Video) -> bool {
+    let name = picture
+        .format()
+        .descriptor()
+        .map_or("", |descriptor| descriptor.name());
+    name.starts_with("yuvj") || picture.color_range() == color::Range::JPEG
+}
+
+fn copy_rgb(picture: &frame::Video, frame: &mut VideoFrame) {
+    let (width, stride, bytes) = (frame.width, picture.stride(0), picture.data(0));
+    for y in 0..frame.height {
+        let rgb = &mut frame.rgb[y * width * 3..][..width * 3];
+        rgb.copy_from_slice(&bytes[y * stride..][..width * 3]);
+        luma_from_rgb(rgb, &mut frame.luma[y * width..][..width]);
+    }
+}
+
+fn copy_gray(picture: &frame::Video, frame: &mut VideoFrame) {
+    let (width, stride, bytes) = (frame.width, picture.stride(0), picture.data(0));
+    for y in 0..frame.height {
+        let gray = &bytes[y * stride..][..width];
+        frame.luma[y * width..][..width].copy_from_slice(gray);
+        for (pixel, value) in frame.rgb[y * width * 3..].chunks_exact_mut(3).zip(gray) {
+            pixel.fill(*value);
+        }
+    }
+}
+
+/// Full-range BT.601 luma of interleaved R, G, B.
+pub(crate) fn luma_from_rgb(rgb: &[u8], luma: &mut [u8]) {
+    for (pixel, luma) in rgb.chunks_exact(3).zip(luma) {
+        let sum = u32::from(pixel[0]) * 19_595 + u32::from(pixel[1]) * 38_470 + u32::from(pixel[2]) * 7_471;
+        *luma = ((sum + 32_768) >> 16) as u8;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(format: Pixel, values: [u8; 3]) -> frame::Video {
+        let mut picture = frame::Video::new(format, 6, 4);
+        for plane in 0..picture.planes() {
+            picture.data_mut(plane).fill(values[plane]);
+        }
+        picture
+    }
+
+    fn converted(picture: &frame::Video) -> VideoFrame {
+        let mut frame = VideoFrame::default();
+        PictureConverter::new(6, 4).convert(picture, &mut frame).unwrap();
+        frame
+    }
+
+    #[test]
+    fn limited_range_spans_black_to_white() {
+        for (code, value) in [(16, 0), (235, 255), (0, 0), (255, 255), (126, 128)] {
+            let frame = converted(&picture(Pixel::YUV420P, [code, 128, 128]));
+            assert!(frame.luma.iter().all(|luma| *luma == value), "{code}");
+            assert!(frame.rgb.iter().all(|channel| *channel == value), "{code}");
+        }
+    }
+
+    #[test]
+    fn full_range_is_kept() {
+        let mut tagged = picture(Pixel::YUV420P, [77, 128, 128]);
+        tagged.set_color_range(color::Range::JPEG);
+        for frame in [
+            converted(&tagged),
+            converted(&picture(Pixel::YUVJ444P, [77, 128, 128])),
+        ] {
+            assert!(frame.luma.iter().all(|luma| *luma == 77));
+            assert!(frame.rgb.iter().all(|channel| *channel == 77));
+        }
+    }
+
+    #[test]
+    fn primary_red_in_both_matrices() {
+        // BT.601-7 and BT.709-6 limited-range codes of pure red.
+        let mut modern = picture(Pixel::YUV422P, [63, 102, 240]);
+        modern.set_color_space(color::Space::BT709);
+        for frame in [
+            converted(&picture(Pixel::YUV444P, [81, 90, 240])),
+            converted(&modern),
+        ] {
+            let pixel = &frame.rgb[..3];
+            assert!(pixel[0] >= 253 && pixel[1] <= 2 && pixel[2] <= 2, "{pixel:?}");
+        }
+    }
+
+    #[test]
+    fn other_formats_go_through_the_scaler() {
+        let frame = converted(&picture(Pixel::NV12, [126, 128, 128]));
+        assert!(frame.luma.iter().all(|luma| *luma == 128));
+        let frame = converted(&picture(Pixel::BGR24, [200, 0, 0]));
+        assert_eq!(frame.luma[0], 200);
+        let larger = frame::Video::new(Pixel::YUV420P, 12, 8);
+        assert_eq!(converted(&larger).rgb.len(), 72);
+    }
+}
