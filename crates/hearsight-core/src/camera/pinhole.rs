@@ -115,7 +115,7 @@ impl Pinhole {
         let (mut image, mut jacobian) = self.bend(point)?;
         let mut error = (image - bent).norm();
         for _ in 0..ITERATIONS {
-            if error == 0.0 {
+            if error <= f64::EPSILON * (1.0 + bent.norm()) {
                 break;
             }
             let mut step = jacobian.try_inverse()? * (image - bent);
