@@ -19,24 +19,24 @@ pub(crate) fn exp(x: f64) -> f64 {
     let shifted = x * LOG2_E + ROUNDING;
     let whole = shifted - ROUNDING;
     let rest = (x - whole * LN_2_HIGH) - whole * LN_2_LOW;
-    // Taylor's series: for |rest| <= ln(2)/2 the first term left out is below 5e-18.
-    let mut series = 1.0 / 6_227_020_800.0;
-    series = series * rest + 1.0 / 479_001_600.0;
-    series = series * rest + 1.0 / 39_916_800.0;
-    series = series * rest + 1.0 / 3_628_800.0;
-    series = series * rest + 1.0 / 362_880.0;
-    series = series * rest + 1.0 / 40_320.0;
-    series = series * rest + 1.0 / 5_040.0;
-    series = series * rest + 1.0 / 720.0;
-    series = series * rest + 1.0 / 120.0;
-    series = series * rest + 1.0 / 24.0;
-    series = series * rest + 1.0 / 6.0;
-    series = series * rest + 0.5;
-    series = series * rest * rest + rest + 1.0;
+    // Taylor's series by Estrin's scheme: for |rest| <= ln(2)/2 the first term left out is below 5e-18.
+    let (square, fourth) = (rest * rest, rest * rest * (rest * rest));
+    let low = (1.0 / 2.0 + rest * (1.0 / 6.0)) + (1.0 / 24.0 + rest * (1.0 / 120.0)) * square;
+    let middle =
+        (1.0 / 720.0 + rest * (1.0 / 5_040.0)) + (1.0 / 40_320.0 + rest * (1.0 / 362_880.0)) * square;
+    let high = (1.0 / 3_628_800.0 + rest * (1.0 / 39_916_800.0))
+        + (1.0 / 479_001_600.0 + rest * (1.0 / 6_227_020_800.0)) * square;
+    let series = 1.0 + (rest + square * (low + (middle + high * fourth) * fourth));
     let power = f64::from_bits(shifted.to_bits().wrapping_add(1023) << 52);
     let value = series * power;
     let value = if x < -708.0 { 0.0 } else { value };
     if x > 709.0 { f64::INFINITY } else { value }
+}
+
+/// The nearest whole number (the even one of two) of a value from -0.5 to 2^32 - 1.
+#[inline(always)]
+pub(crate) fn nearest(value: f64) -> u32 {
+    (value + ROUNDING).to_bits() as u32
 }
 
 /// The natural logarithm of a positive normal number within 2 units in the last place; of zero, negative

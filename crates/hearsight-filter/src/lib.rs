@@ -7,15 +7,19 @@
 //!
 //! Start at [`Particles`], [`motion`] and [`Resampling`].
 
+mod assignment;
 mod elementary;
 mod error;
+mod kalman;
 mod log_sum_exp;
 pub mod motion;
 mod particles;
 mod random;
 mod resampling;
 
+pub use assignment::{Assignment, Unpaired, assign};
 pub use error::FilterError;
+pub use kalman::{Innovation, KalmanFilter};
 pub use log_sum_exp::log_sum_exp;
 pub use particles::{Normalization, NormalizationOutcome, Particles};
 pub use random::{Generator, fill_standard_normal, generator, standard_normal, uniform};

@@ -127,28 +127,21 @@ fn systematic(weights: &[f64], scale: f64, offset: f64, ancestors: &mut [u32]) {
     // Every particle writes its index where its run begins; an empty run is overwritten by the next particle, which
     // begins at the same place. A running maximum then fills the runs. No branch depends on the weights.
     ancestors.fill(0);
-    let mut cumulative = -offset;
+    // Rounding to the nearest after adding a half is rounding up, except exactly at a boundary, which has no weight.
+    let mut cumulative = 0.5 - offset;
     let mut begin = 0;
     for (index, weight) in weights.iter().enumerate() {
         if let Some(slot) = ancestors.get_mut(begin) {
             *slot = index as u32;
         }
         cumulative += weight * scale;
-        begin = ceiling(cumulative);
+        begin = elementary::nearest(cumulative) as usize;
     }
     let mut greatest = 0;
     for ancestor in ancestors {
         greatest = greatest.max(*ancestor);
         *ancestor = greatest;
     }
-}
-
-/// The least whole number not below `value`, zero for negative values; without a call into the platform's library.
-#[inline(always)]
-fn ceiling(value: f64) -> usize {
-    let whole = value as i64;
-    let whole = whole + i64::from(whole as f64 != value && value > 0.0);
-    whole.max(0) as usize
 }
 
 fn stratified(weights: &[f64], scale: f64, generator: &mut impl Rng, ancestors: &mut [u32]) {

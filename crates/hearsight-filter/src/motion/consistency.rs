@@ -1,9 +1,10 @@
 //! The test that every model shares: two steps of half the time are distributed as one of the whole.
 
-use super::Motion;
+use super::{GaussianStep, Motion};
 use crate::particles::Particles;
 use crate::random::generator;
 use hearsight_core::Span;
+use nalgebra::Vector2;
 
 /// Particles around 10, 20, 30 ... with unit deviation.
 pub(crate) fn clouds(dimensions: usize, count: usize) -> Particles {
@@ -51,6 +52,38 @@ pub(crate) fn assert_halves_equal_whole(model: &impl Motion, dimensions: usize, 
                     "covariance {first} {second}: {error} > {tolerance}"
                 );
             }
+        }
+    }
+}
+
+/// Compares mean and covariance of moved particles with the matrices of the step, within five Monte-Carlo errors.
+pub(crate) fn assert_moves_as(
+    model: &impl Motion,
+    dimensions: usize,
+    axis: [usize; 2],
+    seconds: f64,
+    step: &GaussianStep,
+) {
+    let count = 200_000;
+    let mut particles = clouds(dimensions, count);
+    let start = Vector2::from(axis.map(|dimension| 10.0 * (dimension + 1) as f64));
+    model
+        .step(
+            &mut particles,
+            Span::from_seconds(seconds),
+            &mut generator(11, "motion", 0),
+        )
+        .unwrap();
+    let mean = step.transition() * start;
+    let covariance = step.transition() * step.transition().transpose() + step.covariance();
+    for (row, first) in axis.into_iter().enumerate() {
+        let tolerance = 5.0 * (covariance[(row, row)] / count as f64).sqrt() + 1e-5;
+        assert!((particles.mean_of(first) - mean[row]).abs() < tolerance);
+        for (column, second) in axis.into_iter().enumerate() {
+            let spread =
+                covariance[(row, row)] * covariance[(column, column)] + covariance[(row, column)].powi(2);
+            let error = (particles.covariance_of(first, second) - covariance[(row, column)]).abs();
+            assert!(error < 5.0 * (spread / count as f64).sqrt() + 1e-5);
         }
     }
 }

@@ -4,9 +4,15 @@
 //! `t` and two of `t/2` give the same distribution: a dropped frame or another frame rate changes nothing else.
 
 #[cfg(test)]
-pub(crate) mod consistency;
+mod consistency;
+mod constant_velocity;
+mod gaussian_step;
+mod langevin;
 mod random_walk;
 
+pub use constant_velocity::{ConstantVelocity, ConstantVelocityAxis};
+pub use gaussian_step::GaussianStep;
+pub use langevin::{Langevin, LangevinAxis, LangevinIntegration};
 pub use random_walk::{Noise, RandomWalk, RandomWalkDimension};
 
 use crate::error::FilterError;

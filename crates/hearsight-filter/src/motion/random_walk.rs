@@ -108,8 +108,20 @@ impl Motion for RandomWalk {
         generator: &mut Generator,
     ) -> Result<(), FilterError> {
         let root = elapsed_secs(elapsed)?.sqrt();
-        for moving in &self.dimensions {
-            particles.check_dimensions(&[moving.dimension])?;
+        for (position, moving) in self.dimensions.iter().enumerate() {
+            let index = moving.dimension;
+            let available = particles.dimensions();
+            if index >= available
+                || self.dimensions[..position]
+                    .iter()
+                    .any(|earlier| earlier.dimension == index)
+            {
+                return Err(FilterError::BadIndex {
+                    what: "dimension",
+                    index,
+                    available,
+                });
+            }
             FilterError::check_not_negative("sigma_per_sqrt_sec", moving.noise.sigma_per_sqrt_sec())?;
         }
         if root == 0.0 {

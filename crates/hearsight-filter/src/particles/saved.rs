@@ -40,10 +40,11 @@ impl TryFrom<Saved> for Particles {
             FilterError::check_length("column", count, column.len())?;
         }
         let total: f64 = saved.weights.iter().sum();
-        if (total - 1.0).abs() > 1e-9 || saved.weights.iter().any(|weight| *weight < 0.0) {
+        let sum_to_one = (total - 1.0).abs() <= 1e-9;
+        if !sum_to_one || saved.weights.iter().any(|weight| *weight < 0.0) {
             return Err(FilterError::OutOfRange {
                 what: "the sum of the weights",
-                range: "one, none negative",
+                range: "one",
                 found: total,
             });
         }

@@ -1,5 +1,6 @@
 use super::*;
 use crate::random::generator;
+use crate::resampling::Resampling;
 use proptest::prelude::*;
 
 fn cloud(seed: u64, count: usize) -> Particles {

@@ -4,6 +4,7 @@
 //! systems, and consumes a varying number of words, which keeps it from vector registers. This form takes one word
 //! for two variates, always, and uses only operations that IEEE 754 defines to the last bit.
 
+use multiversion::multiversion;
 use rand::Rng;
 
 const PAIRS: usize = 64;
@@ -13,35 +14,44 @@ const PAIRS: usize = 64;
 /// Takes `ceil(n / 2)` words from the generator, so what follows does not depend on the values drawn. The same words
 /// give the same bits on every machine.
 pub fn fill_standard_normal(generator: &mut impl Rng, variates: &mut [f32]) {
-    let mut words = [0_u64; PAIRS];
-    let (mut first, mut second) = ([0.0_f32; PAIRS], [0.0_f32; PAIRS]);
+    let (mut radii, mut angles) = ([0_u32; PAIRS], [0_u32; PAIRS]);
     for block in variates.chunks_mut(2 * PAIRS) {
-        let pairs = block.len().div_ceil(2);
-        for word in &mut words[..pairs] {
-            *word = generator.next_u64();
+        let (front, back) = block.split_at_mut(block.len().div_ceil(2));
+        for (radius, angle) in radii.iter_mut().zip(&mut angles).take(front.len()) {
+            let word = generator.next_u64();
+            (*radius, *angle) = ((word >> 32) as u32, word as u32);
         }
-        for ((word, first), second) in words[..pairs].iter().zip(&mut first).zip(&mut second) {
-            (*first, *second) = pair(*word);
+        transform(&radii, &angles, front, back);
+        // Of an odd number, the last has no partner.
+        if let Some(last) = front.get_mut(back.len()) {
+            *last = pair(radii[back.len()], angles[back.len()]).0;
         }
-        let (front, back) = block.split_at_mut(pairs);
-        front.copy_from_slice(&first[..pairs]);
-        back.copy_from_slice(&second[..back.len()]);
+    }
+}
+
+/// Turns each pair of words into two variates, as many as `second` holds. The wider registers change the speed, not
+/// the bits; words of 32 bits keep all lanes of one width, which doubles the speed.
+#[multiversion(targets("x86_64+avx2"))]
+fn transform(radii: &[u32], angles: &[u32], first: &mut [f32], second: &mut [f32]) {
+    for (((radius, angle), first), second) in radii.iter().zip(angles).zip(first).zip(second) {
+        (*first, *second) = pair(*radius, *angle);
     }
 }
 
 /// One standard normal number; where many are needed, [`fill_standard_normal`] is several times faster.
 pub fn standard_normal(generator: &mut impl Rng) -> f64 {
-    f64::from(pair(generator.next_u64()).0)
+    let word = generator.next_u64();
+    f64::from(pair((word >> 32) as u32, word as u32).0)
 }
 
 /// Two independent normal variates from 64 random bits: 31 for the radius, 30 for the angle within an eighth of a
 /// turn to either side, two for sign and axis.
 #[inline(always)]
-fn pair(word: u64) -> (f32, f32) {
-    let (high, low) = ((word >> 32) as u32, word as u32);
+fn pair(high: u32, low: u32) -> (f32, f32) {
     // In (0, 1]: rounding keeps the resolution near zero, where the tail of the distribution comes from.
     let uniform = ((high >> 1) as i32 as f32 + 0.5) * (1.0 / 2_147_483_648.0);
-    let radius = (-2.0 * ln(uniform)).max(0.0).sqrt();
+    let square = -2.0 * ln(uniform);
+    let radius = (if square > 0.0 { square } else { 0.0 }).sqrt();
     // In [-pi/4, pi/4).
     let angle = (((low << 2) as i32) >> 2) as f32 * (std::f32::consts::FRAC_PI_4 / 536_870_912.0);
     let square = angle * angle;
@@ -66,20 +76,12 @@ fn ln(x: f32) -> f32 {
     let exponent = (x.to_bits().wrapping_sub(0x3F35_04F3) as i32) >> 23;
     let part = f32::from_bits(x.to_bits().wrapping_sub((exponent << 23) as u32)) - 1.0;
     let exponent = exponent as f32;
+    // Estrin's scheme: half the depth of Horner's, so that the steps overlap.
     let square = part * part;
-    let mut series = 7.037_683_6e-2;
-    for coefficient in [
-        -1.151_461e-1,
-        1.167_699_9e-1,
-        -1.242_014_1e-1,
-        1.424_932_3e-1,
-        -1.666_805_8e-1,
-        2.000_071_5e-1,
-        -2.499_999_4e-1,
-        3.333_333e-1,
-    ] {
-        series = series * part + coefficient;
-    }
+    let fourth = square * square;
+    let low = (3.333_333e-1 - 2.499_999_4e-1 * part) + (2.000_071_5e-1 - 1.666_805_8e-1 * part) * square;
+    let high = (1.424_932_3e-1 - 1.242_014_1e-1 * part) + (1.167_699_9e-1 - 1.151_461e-1 * part) * square;
+    let series = low + (high + 7.037_683_6e-2 * fourth) * fourth;
     let tail = series * part * square + exponent * -2.121_944_4e-4 - 0.5 * square;
     part + tail + exponent * 0.693_359_4
 }
@@ -102,7 +104,7 @@ mod tests {
         let mut words = generator(3, "test", 0);
         for _ in 0..100_000 {
             let word = words.next_u64();
-            let (a, b) = pair(word);
+            let (a, b) = pair((word >> 32) as u32, word as u32);
             let uniform = (((word >> 33) as f64) + 0.5) / 2_147_483_648.0;
             let radius = (-2.0 * uniform.ln()).sqrt();
             assert!((f64::from(a).hypot(f64::from(b)) - radius).abs() < 1e-5 + 4e-4 / (radius + 1e-3) * 1e-3);
@@ -128,7 +130,7 @@ mod tests {
             0x8000_0000,
             0x4000_0000,
         ] {
-            let (a, b) = pair(word);
+            let (a, b) = pair((word >> 32) as u32, word as u32);
             assert!(a.is_finite() && b.is_finite());
         }
     }
