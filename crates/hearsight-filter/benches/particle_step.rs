@@ -2,6 +2,8 @@
 //!
 //! `particle_step_numpy.py` does the same with numpy and filterpy; run both on one quiet machine to compare.
 
+#![expect(clippy::unwrap_used, reason = "a benchmark may panic")]
+
 use divan::Bencher;
 use hearsight_core::Span;
 use hearsight_filter::motion::{Langevin, LangevinAxis, LangevinIntegration, Motion, Noise, RandomWalk};

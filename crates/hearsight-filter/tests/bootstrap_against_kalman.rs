@@ -4,6 +4,8 @@
 //! and independent between seeds. Over several seeds the average error must vanish within its own standard error, the
 //! spread must be that of N particles, and it must halve when N is multiplied by four.
 
+#![expect(clippy::unwrap_used, reason = "a test may panic, also in its helpers")]
+
 use hearsight_core::Span;
 use hearsight_filter::motion::{
     ConstantVelocity, ConstantVelocityAxis, Langevin, LangevinAxis, LangevinIntegration,
@@ -114,24 +116,23 @@ fn bootstrap(problem: &[Measured], motion: &impl Motion, count: usize, random: &
     }
 }
 
-/// Errors of one quantity over seeds, in units of the Monte-Carlo deviation of `count` independent draws.
-struct Errors {
-    mean: f64,
-    deviation: f64,
-}
-
-fn errors(runs: &[Summary], exact: &Summary, step: usize, quantity: usize, count: usize) -> Errors {
+/// The error of one quantity in units of the Monte-Carlo deviation of `count` independent draws.
+fn scaled_error(run: &Summary, exact: &Summary, step: usize, quantity: usize, count: usize) -> f64 {
     let truth = exact.steps[step];
     // The variance of a mean is variance / n, that of a variance 2 variance^2 / n.
     let unit = match quantity {
         0 | 1 => truth[quantity + 2].sqrt(),
         _ => truth[quantity] * 2.0_f64.sqrt(),
     } / (count as f64).sqrt();
-    let scaled = |run: &Summary| (run.steps[step][quantity] - truth[quantity]) / unit;
-    let mean = runs.iter().map(scaled).sum::<f64>() / runs.len() as f64;
-    let deviation =
-        (runs.iter().map(|run| (scaled(run) - mean).powi(2)).sum::<f64>() / (runs.len() - 1) as f64).sqrt();
-    Errors { mean, deviation }
+    (run.steps[step][quantity] - truth[quantity]) / unit
+}
+
+fn mean_and_variance(values: &[f64]) -> (f64, f64) {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    (
+        mean,
+        values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64,
+    )
 }
 
 fn assert_agrees(motion: &impl Motion, step_over: &dyn Fn(Span) -> GaussianStep) {
@@ -150,18 +151,33 @@ fn assert_agrees(motion: &impl Motion, step_over: &dyn Fn(Span) -> GaussianStep)
             })
             .collect();
         let mut squares = 0.0;
-        for step in 0..STEPS {
-            for quantity in 0..4 {
-                let Errors { mean, deviation } = errors(&runs, &exact, step, quantity, count);
-                // Student's t with 23 degrees of freedom exceeds 6.5 once in a million: of 1200 tests, never. A
-                // bias of the order 1/N is allowed for: at N = 2000 it is a twentieth of the unit.
-                let limit = 6.5 * deviation / (SEEDS as f64).sqrt() + 0.1;
+        for quantity in 0..4 {
+            let mut run_means = vec![0.0; runs.len()];
+            for step in 0..STEPS {
+                let errors: Vec<f64> = runs
+                    .iter()
+                    .map(|run| scaled_error(run, &exact, step, quantity, count))
+                    .collect();
+                let (mean, variance) = mean_and_variance(&errors);
+                // Student's t with 23 degrees of freedom exceeds 6.5 once in a million: of 1200 tests, never. The
+                // bias, of the order 1/N, is a small part of the unit, 1/sqrt(N).
+                let limit = 6.5 * (variance / SEEDS as f64).sqrt() + 0.1;
                 assert!(
                     mean.abs() < limit,
                     "step {step}, quantity {quantity}: {mean} > {limit} with {count}"
                 );
-                squares += deviation * deviation / (4 * STEPS) as f64;
+                squares += variance / (4 * STEPS) as f64;
+                for (run_mean, error) in run_means.iter_mut().zip(errors) {
+                    *run_mean += error / STEPS as f64;
+                }
             }
+            // Over all steps together, small errors in one direction show.
+            let (mean, variance) = mean_and_variance(&run_means);
+            let limit = 6.5 * (variance / SEEDS as f64).sqrt() + 0.1;
+            assert!(
+                mean.abs() < limit,
+                "quantity {quantity} on average: {mean} > {limit} with {count}"
+            );
         }
         // The weights of the past cost some of the N draws, but on average not more than nine in ten.
         spread.push(squares.sqrt());
@@ -174,8 +190,7 @@ fn assert_agrees(motion: &impl Motion, step_over: &dyn Fn(Span) -> GaussianStep)
             .iter()
             .map(|run| run.log_likelihood - exact.log_likelihood)
             .collect();
-        let mean = evidence.iter().sum::<f64>() / SEEDS as f64;
-        let variance = evidence.iter().map(|error| (error - mean).powi(2)).sum::<f64>() / (SEEDS - 1) as f64;
+        let (mean, variance) = mean_and_variance(&evidence);
         // The likelihood, not its logarithm, is unbiased: the logarithm lies half the variance below.
         let error = (mean + 0.5 * variance).abs();
         assert!(

@@ -226,7 +226,7 @@ mod tests {
 
     #[test]
     fn printed_constants_are_those_of_the_papers() {
-        // At 0.27 s and 10 per second, a = 0.067 and b = 0.998 (methods of three microphones).
+        // At 0.27 s and 10 per second, a = 0.067 and b = 0.998.
         let axis = LangevinAxis {
             rate_per_sec: 10.0,
             rms_velocity: 1.0,
