@@ -111,12 +111,12 @@ fn zero_phase_response(taps: &[f64], angle: f64) -> f64 {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BandShape {
-    /// The band's own bins alone, all alike. What equation 7 of the paper comes to: filtering signal and noise alike
-    /// cancels between its numerator and denominator.
-    Bins,
-    /// The squared response of the 37-tap filter, over its own bins and the flanks of its neighbours: a smoother curve
-    /// with less ringing. The default.
+    /// The band's own bins alone, all alike: the default. It is what equation 7 of the paper comes to, where filtering
+    /// signal and noise alike cancels between numerator and denominator.
     #[default]
+    Bins,
+    /// The squared response of the 37-tap filter, over its own bins and into those of its neighbours: a smoother curve
+    /// with less ringing.
     Filter,
 }
 

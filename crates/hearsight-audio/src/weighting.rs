@@ -32,7 +32,7 @@ pub enum Weighting {
     },
     /// Phase transform held down where there is only noise, 1 / (gamma |G| + (1 - gamma) sqrt(N_i N_j)): Bregonzio,
     /// Taj and Cavallaro, section 2.2, equation 7, corrected: the noise enters as a power, as |G| does. `gamma` 1 is
-    /// the phase transform; smaller values trust loud frequencies more.
+    /// the phase transform, 0.3 lets a bin far above the noise count three times one of noise alone and suits rooms; smaller values trust loud frequencies more.
     NoiseRegularized {
         /// Share of the phase transform, 0 to 1.
         gamma: f32,
