@@ -1,0 +1,319 @@
+//! The stac system: one camera, perhaps between two microphones; appearance, motion, reverberation-proof audio.
+//!
+//! Bregonzio, Taj, Cavallaro, "Multi-modal particle filtering tracking using appearance, motion and audio likelihoods".
+//! A bootstrap particle filter a person over the head box, the product of the likelihoods of colour, motion and sound.
+//! With several cameras it runs on each apart.
+
+mod parameters;
+
+pub use parameters::{Likelihood, Parameters};
+
+use crate::{SystemError, SystemInfo, parallel};
+use hearsight_core::record::{BoxRecord, SCENE_SCHEMA_VERSION, Scene, SoundRecord, TrackPhase, TrackRecord, ViewRecord};
+use hearsight_core::room::Room;
+use hearsight_core::{Instant, Moment, Span};
+use hearsight_tracking::body::{HeadBox, Part};
+use hearsight_tracking::cues::{ColourCue, Cue, MotionCue, SoundCue};
+use hearsight_tracking::fusion::{Calibration, Product, Term};
+use hearsight_tracking::percepts::{ArrayPercepts, ArrayState, CameraPercepts, CameraState};
+use hearsight_tracking::proposals::{DetectedProposal, RandomWalkProposal};
+use hearsight_tracking::sound_map::SoundMap;
+use hearsight_tracking::stage::Stage;
+use hearsight_tracking::system::{StateError, System};
+use hearsight_tracking::tracker::{Composition, ViewState, ViewTracker};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::time::{Duration, Instant as Clock};
+
+/// What the registry says of this system.
+pub(crate) const INFO: SystemInfo = SystemInfo {
+    name: "stac",
+    summary: "one camera between two microphones: colour, motion and sound in a particle filter a person",
+    source: "Bregonzio, Taj, Cavallaro: Multi-modal particle filtering tracking",
+    parameters: || schemars::schema_for!(Parameters).to_value(),
+    build,
+};
+
+/// One camera with the array paired to it.
+struct View {
+    camera: usize,
+    name: String,
+    array: Option<(usize, String)>,
+    seen: CameraPercepts,
+    heard: Option<ArrayPercepts>,
+    tracker: ViewTracker,
+    map: Option<SoundMap>,
+    strip: Vec<f32>,
+    frame: u64,
+    looked: Duration,
+    listened: Duration,
+    tracked: Duration,
+}
+
+/// The system.
+pub struct Stac {
+    views: Vec<View>,
+    speaker_least: hearsight_tracking::speaker::SpeakerSettings,
+    next_identity: u64,
+    last: Option<Instant>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Saved {
+    next_identity: u64,
+    last: Option<Instant>,
+    views: Vec<SavedView>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct SavedView {
+    camera: CameraState,
+    array: Option<ArrayState>,
+    tracker: ViewState,
+    frame: u64,
+}
+
+fn wrong(reason: impl std::fmt::Display) -> SystemError {
+    SystemError::Parameters { system: INFO.name, reason: reason.to_string() }
+}
+
+fn build(parameters: &Value, room: &Room, seed: u64) -> Result<Box<dyn System>, SystemError> {
+    let parameters: Parameters =
+        if parameters.is_null() { Parameters::default() } else { Parameters::deserialize(parameters).map_err(wrong)? };
+    if room.cameras.is_empty() {
+        return Err(SystemError::Room {
+            system: INFO.name,
+            reason: "there is no camera; add a [[camera]] to the room".into(),
+        });
+    }
+    let views: Result<Vec<View>, SystemError> =
+        (0..room.cameras.len()).map(|camera| build_view(&parameters, room, camera, seed)).collect();
+    Ok(Box::new(Stac { views: views?, speaker_least: parameters.speaker, next_identity: 0, last: None }))
+}
+
+fn build_view(parameters: &Parameters, room: &Room, camera: usize, seed: u64) -> Result<View, SystemError> {
+    let sensor = &room.cameras[camera];
+    let paired = room.arrays.iter().position(|array| array.camera == Some(camera));
+    let array = paired.map(|index| (index, room.arrays[index].name.clone()));
+    let heard = paired
+        .map(|index| ArrayPercepts::new(parameters.audio, &room.arrays[index], room.speed_of_sound_m_s))
+        .transpose()
+        .map_err(wrong)?;
+    let map = match (&heard, &sensor.calibration) {
+        (Some(heard), Some(calibration)) => Some(SoundMap::new(calibration, heard)),
+        _ => None,
+    };
+    let composition = Composition {
+        body: Box::new(HeadBox::new(parameters.body, sensor.calibration.clone())),
+        stages: stages(parameters)?,
+        particles: parameters.particles,
+        seed,
+        role: format!("stac {}", sensor.name),
+        association: parameters.association,
+        birth: parameters.birth,
+        existence: parameters.existence,
+        exclusion: parameters.exclusion,
+        re_entry: parameters.re_entry,
+        appearance: parameters.appearance,
+        speaker: parameters.speaker,
+    };
+    Ok(View {
+        camera,
+        name: sensor.name.clone(),
+        array,
+        seen: CameraPercepts::new(parameters.vision.clone()).map_err(wrong)?,
+        heard,
+        tracker: ViewTracker::new(composition),
+        map,
+        strip: Vec::new(),
+        frame: 0,
+        looked: Duration::ZERO,
+        listened: Duration::ZERO,
+        tracked: Duration::ZERO,
+    })
+}
+
+/// Propose, weigh, resample: the bootstrap filter of eqs. 1-6 and 13, resampling at every step.
+fn stages(parameters: &Parameters) -> Result<Vec<Stage>, SystemError> {
+    let mut cues: Vec<Box<dyn Cue>> = Vec::new();
+    let mut terms = Vec::new();
+    let mut add = |cue: Box<dyn Cue>, calibration, likelihood: &Likelihood| {
+        if likelihood.enabled {
+            cues.push(cue);
+            terms.push(Term { calibration, floor: likelihood.floor, exponent: likelihood.exponent });
+        }
+    };
+    let colour = |likelihood: &Likelihood| Calibration::Distance { sigma: likelihood.sigma };
+    add(Box::new(ColourCue::new(Part::Head)), colour(&parameters.head_colour), &parameters.head_colour);
+    add(Box::new(ColourCue::new(Part::Torso)), colour(&parameters.torso_colour), &parameters.torso_colour);
+    add(Box::new(MotionCue::new(parameters.motion_shape)), Calibration::Likelihood, &parameters.motion);
+    let sigma = parameters.sound.sigma;
+    let sound = if parameters.printed_equation_8 {
+        Calibration::PrintedCorrelation { sigma }
+    } else {
+        Calibration::Correlation { sigma }
+    };
+    add(Box::new(SoundCue), sound, &parameters.sound);
+    Ok(vec![
+        Stage::Propose(Box::new(RandomWalkProposal::new(&parameters.transition).map_err(wrong)?)),
+        Stage::Propose(Box::new(DetectedProposal::new(parameters.detected))),
+        Stage::Weigh { cues, fusion: Box::new(Product::new(terms)), hidden: parameters.hidden },
+        Stage::Resample { scheme: parameters.resampling, below: 1.0 },
+    ])
+}
+
+impl View {
+    /// Takes its part of a moment.
+    fn step(&mut self, moment: &Moment, elapsed: Span) -> Result<(), hearsight_filter::FilterError> {
+        let start = Clock::now();
+        if let (Some(heard), Some((index, _))) = (&mut self.heard, &self.array) {
+            heard.hear(moment.audio.get(*index).and_then(|block| block.get()));
+        }
+        let listened = Clock::now();
+        self.listened += listened - start;
+        let frame = moment.video.get(self.camera).and_then(|frame| frame.get());
+        if let Some(frame) = frame {
+            self.seen.see(frame);
+            self.frame = frame.number;
+        }
+        let looked = Clock::now();
+        self.looked += looked - listened;
+        if let Some(frame) = frame {
+            self.tracker.see(&self.seen, self.heard.as_ref(), frame.time)?;
+        }
+        if let Some(heard) = &self.heard {
+            self.tracker.hear(heard, elapsed);
+            if let Some(map) = &self.map {
+                map.strip(heard, &mut self.strip);
+            }
+        }
+        self.tracked += looked.elapsed();
+        Ok(())
+    }
+
+    fn record(&self, scene: &mut Scene, settings: &hearsight_tracking::speaker::SpeakerSettings) {
+        let speaker = self.tracker.state().speaker.speaking(settings);
+        let with_sound = self.heard.is_some();
+        for belief in self.tracker.published() {
+            let Some(id) = belief.identity else { continue };
+            scene.tracks.push(TrackRecord {
+                id,
+                phase: if belief.occluded { TrackPhase::Occluded } else { TrackPhase::Visible },
+                existence: belief.existence.probability(),
+                views: vec![ViewRecord {
+                    camera: self.name.clone(),
+                    frame: self.frame,
+                    head: BoxRecord::from(belief.head),
+                    deviation_px: belief.deviation.map(f64::from),
+                }],
+                position_m: None,
+                speaking: speaker == Some(id),
+                speaking_probability: with_sound.then_some(belief.speaking),
+                effective_sample_size: belief.effective_sample_size,
+            });
+        }
+        if let (Some(heard), Some((_, array))) = (&self.heard, &self.array) {
+            if let Some(delay_s) = heard.heard().last().copied() {
+                scene.sounds.push(SoundRecord {
+                    array: array.clone(),
+                    delay_s,
+                    column_px: self.map.as_ref().and_then(|map| map.column(delay_s)),
+                    signal_to_noise_db: heard.signal_to_noise_db().into(),
+                    peak: heard.peak().into(),
+                    track: speaker,
+                });
+            }
+            scene.nobody_probability = self.tracker.state().speaker.nobody_probability();
+            scene.speaker = scene.speaker.or(speaker);
+        }
+    }
+}
+
+impl System for Stac {
+    fn name(&self) -> &'static str {
+        INFO.name
+    }
+
+    fn step(&mut self, moment: &Moment, scene: &mut Scene) {
+        let elapsed = self.last.map_or(Span::ZERO, |last| moment.time - last);
+        self.last = Some(moment.time);
+        // The composition is this module's own and its dimensions fit: a failure here would be a mistake of ours, and
+        // the views are left as they are.
+        let _ = parallel::each(&mut self.views, |view| view.step(moment, elapsed));
+        for view in &mut self.views {
+            view.tracker.publish(&view.seen, moment.time, &mut self.next_identity);
+        }
+        scene.schema.clear();
+        scene.schema.push_str(SCENE_SCHEMA_VERSION);
+        scene.tick = moment.tick;
+        scene.time_s = moment.time.seconds();
+        scene.tracks.clear();
+        scene.sounds.clear();
+        scene.speaker = None;
+        scene.nobody_probability = None;
+        scene.faults.clone_from(&moment.faults);
+        for view in &self.views {
+            view.record(scene, &self.speaker_least);
+        }
+        scene.tracks.sort_by_key(|track| track.id);
+    }
+
+    fn save(&self) -> Result<Vec<u8>, StateError> {
+        let saved = Saved {
+            next_identity: self.next_identity,
+            last: self.last,
+            views: self
+                .views
+                .iter()
+                .map(|view| SavedView {
+                    camera: view.seen.state(),
+                    array: view.heard.as_ref().map(ArrayPercepts::state),
+                    tracker: view.tracker.state().clone(),
+                    frame: view.frame,
+                })
+                .collect(),
+        };
+        postcard::to_stdvec(&saved).map_err(|error| StateError::Write(error.to_string()))
+    }
+
+    fn restore(&mut self, state: &[u8]) -> Result<(), StateError> {
+        let foreign = |reason: String| StateError::Foreign(reason);
+        let saved: Saved = postcard::from_bytes(state).map_err(|error| foreign(error.to_string()))?;
+        if saved.views.len() != self.views.len() {
+            return Err(foreign(format!("{} views where the room has {}", saved.views.len(), self.views.len())));
+        }
+        for (view, saved) in self.views.iter().zip(&saved.views) {
+            if view.heard.is_some() != saved.array.is_some() {
+                return Err(foreign(format!("camera {} has another array", view.name)));
+            }
+        }
+        for (view, saved) in self.views.iter_mut().zip(saved.views) {
+            view.seen.set_state(saved.camera).map_err(|error| foreign(error.to_string()))?;
+            if let (Some(heard), Some(array)) = (&mut view.heard, saved.array) {
+                heard.set_state(array).map_err(|error| foreign(error.to_string()))?;
+            }
+            view.tracker.set_state(saved.tracker);
+            view.frame = saved.frame;
+        }
+        self.next_identity = saved.next_identity;
+        self.last = saved.last;
+        Ok(())
+    }
+
+    fn timings(&self) -> Vec<(&'static str, Duration)> {
+        let sum = |part: fn(&View) -> Duration| self.views.iter().map(part).sum();
+        vec![
+            ("vision", sum(|view| view.looked)),
+            ("audio", sum(|view| view.listened)),
+            ("tracking", sum(|view| view.tracked)),
+        ]
+    }
+
+    fn correlation_strip(&self, camera: usize) -> &[f32] {
+        self.views.get(camera).map_or(&[], |view| &view.strip)
+    }
+
+    fn quarantined(&self) -> u64 {
+        self.views.iter().map(|view| view.tracker.quarantined()).sum()
+    }
+}

@@ -1,0 +1,20 @@
+//! What tracking systems are made of, in the order of the data's way.
+//!
+//! [`percepts`] are computed once from a moment; a [`body`] maps hypotheses to regions and sound points; [`cues`] score
+//! them; [`fusion`] turns scores into weights; [`stage`]s run a filter on a [`belief`]; the [`life_cycle`] decides who is
+//! born, hidden, gone and back; the [`speaker`] is decided over all tracks. A [`tracker`] does it for one view.
+//!
+//! Nothing here opens a file or knows a system's name.
+
+pub mod belief;
+pub mod body;
+pub mod cues;
+pub mod fusion;
+pub mod life_cycle;
+pub mod percepts;
+pub mod proposals;
+pub mod sound_map;
+pub mod speaker;
+pub mod stage;
+pub mod system;
+pub mod tracker;

@@ -1,0 +1,88 @@
+//! Birth: a detection that belongs to nobody starts a scout; a scout that holds is published.
+
+use crate::belief::Belief;
+use hearsight_core::{Instant, Rectangle};
+use hearsight_vision::silhouette::body_zone;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What it takes to become a track.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct BirthSettings {
+    /// For how long detections must have supported a scout, seconds. Default 0.24. Raising it gives fewer false
+    /// tracks and later true ones.
+    pub support_s: f64,
+    /// Probability of existence that a scout must reach, 0 to 1. Default 0.9.
+    pub probability: f64,
+    /// Share of the body region that must change from picture to picture, in the mean while detections support the
+    /// scout, 0 to 1. Default 0.06. People who come move; shadows and shifted chairs do not. A detected face needs no
+    /// movement.
+    pub stirred: f32,
+    /// Share of the torso that must be inside the picture before a scout is published, so that its clothing is known
+    /// first, 0 to 1. Default 0.5. Not waited for longer than `patience_s`.
+    pub torso_inside: f32,
+    /// Longest wait for the torso, seconds. Default 0.8.
+    pub patience_s: f64,
+    /// Least score of a detection that starts a scout. Default 0.45.
+    pub score: f32,
+    /// Largest share of change in the area above and beside a head (three heads wide, two high) at which it can start
+    /// a scout, 0 to 1. Default 0.15. A shoulder, an elbow or a knee has a head above it.
+    pub crowded: f32,
+    /// Distance of a head from the picture's left and right edge at which it can start a scout, head widths. Default
+    /// 0.6. Nearer to the edge an arm or a half of a body looks like a head.
+    pub margin: f32,
+    /// Most scouts at a time. Default 6.
+    pub most_scouts: usize,
+}
+
+impl Default for BirthSettings {
+    fn default() -> Self {
+        Self {
+            support_s: 0.24,
+            probability: 0.9,
+            stirred: 0.06,
+            torso_inside: 0.5,
+            patience_s: 0.8,
+            score: 0.45,
+            crowded: 0.15,
+            margin: 0.6,
+            most_scouts: 6,
+        }
+    }
+}
+
+/// The area above and beside a head: empty, unless the head is a part of somebody's body.
+pub(crate) fn surroundings(head: &Rectangle) -> Rectangle {
+    let (x, _) = head.centre();
+    Rectangle::new(x - 1.5 * head.width, head.top - 2.1 * head.height, 3.0 * head.width, 2.0 * head.height)
+}
+
+/// Whether a head is far enough from the left and right edge of a picture of this width.
+pub(crate) fn is_clear_of_edges(head: &Rectangle, width: usize, settings: &BirthSettings) -> bool {
+    let margin = settings.margin * head.width;
+    head.left >= margin && head.right() <= width as f32 - margin
+}
+
+/// Whether a detection that belongs to nobody may start a scout: not on the body of somebody who is published.
+pub(crate) fn may_begin(detection: &Rectangle, beliefs: &[Belief], settings: &BirthSettings) -> bool {
+    let scouts = beliefs.iter().filter(|belief| belief.identity.is_none()).count();
+    scouts < settings.most_scouts
+        && !beliefs.iter().any(|belief| {
+            let smaller = belief.head.area().min(detection.area());
+            let same_place = belief.head.intersection(detection).area() > 0.3 * smaller;
+            let part_of_body = belief.identity.is_some()
+                && !belief.occluded
+                && detection.width < 1.3 * belief.head.width
+                && body_zone(&belief.head).contains(detection.centre());
+            same_place || part_of_body
+        })
+}
+
+/// Whether a scout has earned its publication. `torso_inside` is the share of its torso in the picture.
+pub(crate) fn may_publish(belief: &Belief, now: Instant, torso_inside: f32, settings: &BirthSettings) -> bool {
+    belief.support.seconds() >= settings.support_s
+        && belief.existence.probability() >= settings.probability
+        && belief.stirred_s >= f64::from(settings.stirred) * belief.support.seconds()
+        && (torso_inside >= settings.torso_inside || (now - belief.born).seconds() >= settings.patience_s)
+}

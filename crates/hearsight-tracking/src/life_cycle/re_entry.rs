@@ -1,0 +1,85 @@
+//! Re-entry: a person who comes back is known by the colours of clothing and hair.
+//!
+//! The paper's system numbers everyone anew; this part is on by default and can be turned off for its figures.
+
+use crate::belief::Appearance;
+use hearsight_core::Instant;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// When a newcomer is somebody known.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct ReEntrySettings {
+    /// Whether people are known again. Default true; false is the paper's system.
+    pub enabled: bool,
+    /// Largest colour distance to the person remembered, 0 to 1. Default 0.6. Raising it knows more people again
+    /// and mistakes more strangers for them.
+    pub distance: f32,
+    /// By how much the next best person must be further away in colour, 0 to 1. Default 0.04.
+    pub margin: f32,
+    /// Weight of the torso's colours against the head's, 0 to 1. Default 0.8.
+    pub torso: f32,
+    /// For how long somebody who left is remembered, seconds. Default 600.
+    pub remember_s: f64,
+}
+
+impl Default for ReEntrySettings {
+    fn default() -> Self {
+        Self { enabled: true, distance: 0.6, margin: 0.04, torso: 0.8, remember_s: 600.0 }
+    }
+}
+
+/// Everyone who left.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Memory {
+    gone: Vec<Gone>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Gone {
+    identity: u64,
+    appearance: Appearance,
+    left: Instant,
+}
+
+impl Memory {
+    /// Most people remembered; the one who left first is forgotten first.
+    const CAPACITY: usize = 64;
+
+    /// Remembers somebody who left.
+    pub fn remember(&mut self, identity: u64, appearance: Appearance, left: Instant) {
+        if self.gone.len() == Self::CAPACITY {
+            self.gone.remove(0);
+        }
+        self.gone.push(Gone { identity, appearance, left });
+    }
+
+    /// Who of those who left this is, if anybody; they are no longer gone then.
+    pub fn recognize(
+        &mut self,
+        appearance: &Appearance,
+        now: Instant,
+        settings: &ReEntrySettings,
+    ) -> Option<u64> {
+        self.gone.retain(|gone| (now - gone.left).seconds() <= settings.remember_s);
+        if !settings.enabled {
+            return None;
+        }
+        let mut best: Option<(usize, f32)> = None;
+        let mut next = f32::INFINITY;
+        for (place, gone) in self.gone.iter().enumerate() {
+            let Some(distance) = gone.appearance.distance(appearance, settings.torso) else { continue };
+            match best {
+                Some((_, nearest)) if distance >= nearest => next = next.min(distance),
+                _ => {
+                    next = best.map_or(next, |(_, nearest)| nearest);
+                    best = Some((place, distance));
+                }
+            }
+        }
+        let (place, distance) = best?;
+        let clear = distance <= settings.distance && next - distance >= settings.margin;
+        clear.then(|| self.gone.remove(place).identity)
+    }
+}

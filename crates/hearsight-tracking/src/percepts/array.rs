@@ -1,0 +1,360 @@
+//! What a microphone array hears: onsets, voice activity and the correlation of its first pair.
+//!
+//! The way of the sound (stac, section 2.2, corrected by E2, E3 and E5): 12 kHz, overlapping frames, signal to noise
+//! ratio of both microphones, onset filter, correlation in three bands, agreement of their peaks.
+
+use hearsight_audio::AudioError;
+use hearsight_audio::activity::{ActivityDetector, ActivitySettings};
+use hearsight_audio::agreement::{Agreement, AgreementSettings};
+use hearsight_audio::bands::{BandBank, BandShape, THREE_BANDS};
+use hearsight_audio::correlation::{Correlator, CorrelatorSettings};
+use hearsight_audio::curve::CorrelationCurve;
+use hearsight_audio::frames::{Frame, FrameSettings, Framer};
+use hearsight_audio::noise::{NoiseFloor, NoiseSettings, mean_square};
+use hearsight_audio::onset::{FrameClass, OnsetFilter, OnsetSettings};
+use hearsight_audio::resample::{Resampler, ResamplerState};
+use hearsight_audio::spectrum::{Spectra, SpectrumAnalyzer, Window, power_into, transform_length};
+use hearsight_audio::weighting::{PairNoise, Weighting};
+use hearsight_core::room::ArraySensor;
+use hearsight_core::{AudioBlock, Span, WorldPoint};
+use serde::{Deserialize, Serialize};
+
+/// How an array's sound is listened to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ArraySettings {
+    /// Length of a frame, seconds, 0.01 to 1. Default 0.04 (one picture at 25 a second). Raising it makes peaks
+    /// surer and more of it reverberation.
+    pub frame_s: f64,
+    /// How much each frequency counts. Default: noise-regularized with gamma 0.5 (stac, eq. 7 corrected).
+    pub weighting: Weighting,
+    /// Whether the correlation is taken in three bands whose peaks must agree. Default true.
+    pub bands: bool,
+    /// Whether frames that reverberation has caught up with are left out. Default true; false takes every frame.
+    pub onset_filter: bool,
+    /// What the agreement of bands is.
+    pub agreement: AgreementSettings,
+    /// How the noise floor is followed.
+    pub noise: NoiseSettings,
+    /// What an onset is.
+    pub onset: OnsetSettings,
+    /// When sound counts as voice.
+    pub activity: ActivitySettings,
+}
+
+impl Default for ArraySettings {
+    fn default() -> Self {
+        Self {
+            frame_s: 0.04,
+            weighting: Weighting::NoiseRegularized { gamma: 0.5 },
+            bands: true,
+            onset_filter: true,
+            agreement: AgreementSettings::default(),
+            noise: NoiseSettings::default(),
+            onset: OnsetSettings::default(),
+            activity: ActivitySettings::default(),
+        }
+    }
+}
+
+/// What is remembered from moment to moment.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ArrayState {
+    resampler: Option<ResamplerState>,
+    listener: Listener,
+}
+
+/// The part of the state that changes with every frame.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Listener {
+    framer: Framer,
+    levels: [NoiseFloor; 2],
+    spectra: [NoiseFloor; 2],
+    onset: OnsetFilter,
+    activity: ActivityDetector,
+}
+
+/// Percepts of one array.
+pub struct ArrayPercepts {
+    microphones: [WorldPoint; 2],
+    speed_of_sound_m_s: f64,
+    resampler: Option<Resampler>,
+    listener: Listener,
+    engine: Engine,
+    resampled: AudioBlock,
+    ignored: u64,
+}
+
+/// Plans and buffers: nothing of it is remembered.
+struct Engine {
+    settings: ArraySettings,
+    analyzer: SpectrumAnalyzer,
+    correlator: Correlator,
+    bank: BandBank,
+    agreement: Agreement,
+    spectra: Spectra,
+    power: Vec<f32>,
+    curve: CorrelationCurve,
+    onset_sum: CorrelationCurve,
+    onset_frames: u32,
+    heard: Vec<f64>,
+    active: bool,
+    signal_to_noise_db: f32,
+    peak: f32,
+}
+
+/// The rate at which sound is looked at, samples a second (stac, section 3: f_max = 6 kHz; E5).
+pub const RATE_HZ: u32 = 12_000;
+
+impl ArrayPercepts {
+    /// Percepts of the first two microphones of an array.
+    ///
+    /// # Errors
+    /// [`AudioError`] where a setting is out of its range or the array has fewer than two microphones.
+    pub fn new(
+        settings: ArraySettings,
+        array: &ArraySensor,
+        speed_of_sound_m_s: f64,
+    ) -> Result<Self, AudioError> {
+        let [first, second] = match array.microphones.as_slice() {
+            [first, second, ..] => [*first, *second],
+            fewer => {
+                return Err(AudioError::Setting {
+                    name: "microphones",
+                    rule: "two or more",
+                    value: fewer.len() as f64,
+                });
+            }
+        };
+        let frames = FrameSettings::half_overlapping(settings.frame_s, RATE_HZ, array.channels);
+        let greatest_s = first.distance_m(second) / speed_of_sound_m_s;
+        let transform = transform_length(frames.length, greatest_s, RATE_HZ);
+        let analyzer = SpectrumAnalyzer::new(frames.length, transform, Window::Hann)?;
+        let correlator = Correlator::new(CorrelatorSettings {
+            weighting: settings.weighting,
+            ..CorrelatorSettings::new(transform, RATE_HZ, greatest_s)
+        })?;
+        let hop_s = frames.hop_s();
+        let level = NoiseFloor::of_frames(&settings.noise, hop_s, frames.length)?;
+        let spectrum =
+            NoiseFloor::of_spectra(&settings.noise, hop_s, analyzer.bins(), analyzer.window_energy())?;
+        let resampler = if array.rate_hz == RATE_HZ {
+            None
+        } else {
+            Some(Resampler::new(array.channels, array.rate_hz, RATE_HZ, frames.longest_fill)?)
+        };
+        Ok(Self {
+            microphones: [first, second],
+            speed_of_sound_m_s,
+            resampler,
+            listener: Listener {
+                framer: Framer::new(frames)?,
+                levels: [level.clone(), level],
+                spectra: [spectrum.clone(), spectrum],
+                onset: OnsetFilter::new(settings.onset)?,
+                activity: ActivityDetector::new(settings.activity)?,
+            },
+            engine: Engine {
+                bank: BandBank::new(&THREE_BANDS, BandShape::default(), RATE_HZ, transform)?,
+                agreement: Agreement::new(settings.agreement)?,
+                settings,
+                analyzer,
+                correlator,
+                spectra: Spectra::default(),
+                power: Vec::new(),
+                curve: CorrelationCurve::default(),
+                onset_sum: CorrelationCurve::default(),
+                onset_frames: 0,
+                heard: Vec::new(),
+                active: false,
+                signal_to_noise_db: 0.0,
+                peak: 0.0,
+            },
+            resampled: AudioBlock::default(),
+            ignored: 0,
+        })
+    }
+
+    /// What is remembered.
+    pub fn state(&self) -> ArrayState {
+        ArrayState {
+            resampler: self.resampler.as_ref().map(|resampler| resampler.state().clone()),
+            listener: self.listener.clone(),
+        }
+    }
+
+    /// Goes on from what was remembered.
+    ///
+    /// # Errors
+    /// [`AudioError`] where the state is that of another array.
+    pub fn set_state(&mut self, state: ArrayState) -> Result<(), AudioError> {
+        if let (Some(resampler), Some(remembered)) = (&mut self.resampler, state.resampler) {
+            resampler.restore(remembered)?;
+        }
+        self.listener = state.listener;
+        Ok(())
+    }
+
+    /// Takes in the samples of a moment, or `None` where there are none. What was heard before is forgotten.
+    pub fn hear(&mut self, block: Option<&AudioBlock>) {
+        self.engine.begin();
+        let Some(block) = block else { return };
+        let block = match &mut self.resampler {
+            Some(resampler) => {
+                if resampler.process(block, &mut self.resampled).is_err() {
+                    self.ignored += 1;
+                    return;
+                }
+                &self.resampled
+            }
+            None => block,
+        };
+        let Listener { framer, levels, spectra, onset, activity } = &mut self.listener;
+        let engine = &mut self.engine;
+        let hop_s = framer.settings().hop_s();
+        let pushed = framer.push(block, |frame| engine.take(&frame, levels, spectra, onset, activity, hop_s));
+        if pushed.is_err() {
+            self.ignored += 1;
+        }
+        self.engine.end();
+    }
+
+    /// Whether there is a frame in this moment whose correlation the sound cue may use.
+    pub fn has_onset(&self) -> bool {
+        self.engine.onset_frames > 0
+    }
+
+    /// Height of the normalized correlation at a delay, 0 to 1 (R_n, stac, eq. 8 corrected).
+    pub fn onset_height(&self, delay_s: f64) -> f32 {
+        self.engine.onset_sum.at(delay_s).clamp(0.0, 1.0)
+    }
+
+    /// The normalized correlation of this moment.
+    pub fn onset_curve(&self) -> &CorrelationCurve {
+        &self.engine.onset_sum
+    }
+
+    /// Delays of the highest peak of every frame of this moment that holds sound, seconds, t_i - t_j.
+    pub fn heard(&self) -> &[f64] {
+        &self.engine.heard
+    }
+
+    /// Whether there is a voice now, as far as energy tells.
+    pub fn is_active(&self) -> bool {
+        self.engine.active
+    }
+
+    /// Smaller signal to noise ratio of both microphones, decibels, of the newest frame.
+    pub fn signal_to_noise_db(&self) -> f32 {
+        self.engine.signal_to_noise_db
+    }
+
+    /// Height of the highest peak before normalization, 0 to 1, of the newest frame with sound.
+    pub fn peak(&self) -> f32 {
+        self.engine.peak
+    }
+
+    /// Greatest delay that the spacing of the microphones allows, seconds.
+    pub fn greatest_delay_s(&self) -> f64 {
+        self.microphones[0].distance_m(self.microphones[1]) / self.speed_of_sound_m_s
+    }
+
+    /// Delay t_i - t_j of a sound from a point, seconds; `None` for a point that is not finite.
+    pub fn delay_s(&self, point: WorldPoint) -> Option<f64> {
+        let [first, second] = self.microphones;
+        let delay_s = (point.distance_m(first) - point.distance_m(second)) / self.speed_of_sound_m_s;
+        delay_s.is_finite().then_some(delay_s)
+    }
+
+    /// Blocks that could not be used since the start.
+    pub fn ignored(&self) -> u64 {
+        self.ignored
+    }
+
+    /// How long sound takes from its arrival to its percept at the most: one frame and the resampler's delay.
+    pub fn latency(&self) -> Span {
+        let frame = Span::from_seconds(self.engine.settings.frame_s);
+        self.resampler.as_ref().map_or(frame, |resampler| frame + resampler.latency())
+    }
+}
+
+impl Engine {
+    fn begin(&mut self) {
+        self.onset_frames = 0;
+        self.heard.clear();
+    }
+
+    /// Looks at one frame.
+    fn take(
+        &mut self,
+        frame: &Frame<'_>,
+        levels: &mut [NoiseFloor; 2],
+        spectra: &mut [NoiseFloor; 2],
+        onset: &mut OnsetFilter,
+        activity: &mut ActivityDetector,
+        hop_s: f64,
+    ) {
+        if self.analyzer.transform_all(&frame.channels[..2], &mut self.spectra).is_err() {
+            return;
+        }
+        let mut ratios_db = [0.0; 2];
+        for (channel, ratio_db) in ratios_db.iter_mut().enumerate() {
+            let power = mean_square(&frame.channels[channel]);
+            *ratio_db = levels[channel].snr_db(power);
+            if frame.filled == 0 {
+                power_into(&self.spectra.channels[channel], &mut self.power);
+                // Both cannot fail: the number of bins is that of the analyzer they were made for.
+                let _ = levels[channel].observe(&[power]);
+                let _ = spectra[channel].observe(&self.power);
+            }
+        }
+        let class = onset.classify(&ratios_db);
+        self.signal_to_noise_db = ratios_db[0].min(ratios_db[1]);
+        self.active = activity.observe(0.5 * (ratios_db[0] + ratios_db[1]), hop_s).active;
+        let wanted = if self.settings.onset_filter { class.is_onset() } else { true };
+        let sounds = class != FrameClass::Null;
+        if !(wanted || sounds) {
+            return;
+        }
+        let noise = PairNoise { first: spectra[0].power(), second: spectra[1].power() };
+        if self.correlate(noise).is_err() {
+            return;
+        }
+        if sounds && let Some(peak) = self.curve.peak() {
+            self.heard.push(peak.delay_s);
+            self.peak = peak.value;
+        }
+        if wanted {
+            self.add_onset();
+        }
+    }
+
+    fn correlate(&mut self, noise: PairNoise<'_>) -> Result<(), AudioError> {
+        let [first, second] = [&self.spectra.channels[0], &self.spectra.channels[1]];
+        if self.settings.bands {
+            self.bank.correlate(&mut self.correlator, first, second, Some(noise))?;
+            self.agreement.combine(&self.bank, &mut self.curve)
+        } else {
+            self.correlator.correlate(first, second, Some(noise), None, &mut self.curve)
+        }
+    }
+
+    fn add_onset(&mut self) {
+        if self.onset_frames == 0 {
+            self.onset_sum.step_s = self.curve.step_s;
+            self.onset_sum.values.clear();
+            self.onset_sum.values.extend_from_slice(&self.curve.values);
+        } else {
+            for (sum, value) in self.onset_sum.values.iter_mut().zip(&self.curve.values) {
+                *sum += value;
+            }
+        }
+        self.onset_frames += 1;
+    }
+
+    fn end(&mut self) {
+        if self.onset_frames > 0 {
+            self.onset_sum.normalize_to_peak();
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! What a camera sees: change against the background and between pictures, heads, faces and colours.
+
+use hearsight_core::{Mask, Rectangle, RgbView, Span, VideoFrame};
+use hearsight_vision::VisionError;
+use hearsight_vision::background::{BackgroundModel, BackgroundOptions, BackgroundState};
+use hearsight_vision::change::{ChangeDetector, ChangeOptions};
+use hearsight_vision::histogram::{BinPicture, Histogram, HistogramOptions, HistogramScratch, Similarity};
+use hearsight_vision::mask::CleanOptions;
+use hearsight_vision::silhouette::{Head, HeadFinder, HeadSearch};
+use serde::{Deserialize, Serialize};
+use std::cell::RefCell;
+
+/// How a camera's pictures are looked at.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CameraSettings {
+    /// What differs from the room without people. Unlike the background's own defaults, masks are not dilated, so that
+    /// outlines stay where they are, and reflections up to 1.4 times as bright are taken out: light walls change
+    /// that much when somebody passes.
+    pub background: BackgroundOptions,
+    /// Where heads are looked for on the outlines of what differs.
+    pub heads: HeadSearch,
+    /// How colours are binned.
+    pub histogram: HistogramOptions,
+}
+
+impl Default for CameraSettings {
+    fn default() -> Self {
+        Self {
+            background: BackgroundOptions {
+                clean: CleanOptions { median: 5, dilation_width: 1, dilation_height: 1 },
+                brightest_highlight: 1.4,
+                ..BackgroundOptions::default()
+            },
+            heads: HeadSearch::default(),
+            histogram: HistogramOptions::default(),
+        }
+    }
+}
+
+/// What is remembered from picture to picture.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct CameraState {
+    background: BackgroundState,
+    previous: Vec<u8>,
+    size: (usize, usize),
+    last: Option<hearsight_core::Instant>,
+}
+
+/// Somebody's head, as a detector saw it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Detection {
+    /// The head, pixels.
+    pub region: Rectangle,
+    /// Score of the detector, about 0 to 1.
+    pub score: f32,
+    /// Whether a face detector saw it (otherwise the outline of a body).
+    pub is_face: bool,
+}
+
+/// Percepts of one camera.
+pub struct CameraPercepts {
+    settings: CameraSettings,
+    background: BackgroundModel,
+    stir: ChangeDetector,
+    state: CameraState,
+    change: Mask,
+    stirred: Mask,
+    changed_share: HeadFinder,
+    stirred_share: HeadFinder,
+    heads: Vec<Head>,
+    detections: Vec<Detection>,
+    bins: BinPicture,
+    scratch: RefCell<Scratch>,
+    unreadable: u64,
+}
+
+#[derive(Default)]
+struct Scratch {
+    histogram: HistogramScratch,
+    scores: Vec<Similarity>,
+}
+
+impl CameraPercepts {
+    /// Percepts of a camera that has seen nothing yet.
+    ///
+    /// # Errors
+    /// [`VisionError`] where a setting is out of its range.
+    pub fn new(settings: CameraSettings) -> Result<Self, VisionError> {
+        let stir = ChangeOptions {
+            clean: CleanOptions { median: 3, dilation_width: 5, dilation_height: 5 },
+            ..ChangeOptions::default()
+        };
+        Ok(Self {
+            background: BackgroundModel::new(settings.background)?,
+            stir: ChangeDetector::new(stir)?,
+            bins: BinPicture::new(settings.histogram)?,
+            settings,
+            state: CameraState::default(),
+            change: Mask::default(),
+            stirred: Mask::default(),
+            changed_share: HeadFinder::default(),
+            stirred_share: HeadFinder::default(),
+            heads: Vec::new(),
+            detections: Vec::new(),
+            scratch: RefCell::default(),
+            unreadable: 0,
+        })
+    }
+
+    /// What is remembered.
+    pub fn state(&self) -> CameraState {
+        CameraState { background: self.background.state().clone(), ..self.state.clone() }
+    }
+
+    /// Goes on from what was remembered.
+    ///
+    /// # Errors
+    /// [`VisionError`] where the state contradicts itself; nothing is changed then.
+    pub fn set_state(&mut self, state: CameraState) -> Result<(), VisionError> {
+        self.background = BackgroundModel::restore(self.settings.background, state.background.clone())?;
+        self.state = state;
+        Ok(())
+    }
+
+    /// Takes in a new picture.
+    pub fn see(&mut self, frame: &VideoFrame) {
+        let picture = frame.rgb_view();
+        let elapsed = self.state.last.map_or(Span::ZERO, |last| frame.time - last);
+        let size = (frame.width, frame.height);
+        let seen = self.background.step(picture, elapsed, &mut self.change).is_ok();
+        if !seen {
+            // A picture of another size than before: the camera was changed. Everything begins anew.
+            self.unreadable += 1;
+            if let Ok(background) = BackgroundModel::new(self.settings.background) {
+                self.background = background;
+            }
+            self.change.resize(frame.width, frame.height);
+            self.change.data.fill(0);
+        }
+        self.compare_with_previous(picture, size);
+        self.changed_share.load(&self.change);
+        self.stirred_share.load(&self.stirred);
+        self.changed_share.find(&self.change, &self.settings.heads, &mut self.heads);
+        self.detections.clear();
+        self.detections.extend(self.heads.iter().map(|head| Detection {
+            region: head.region,
+            score: head.score,
+            is_face: false,
+        }));
+        self.bins.compute(picture);
+        self.state.size = size;
+        self.state.last = Some(frame.time);
+        self.state.previous.clear();
+        self.state.previous.extend_from_slice(picture.data);
+    }
+
+    fn compare_with_previous(&mut self, picture: RgbView<'_>, size: (usize, usize)) {
+        let previous = RgbView::new(size.0, size.1, &self.state.previous);
+        let compared = previous
+            .is_some_and(|previous| self.stir.detect(picture, previous, &mut self.stirred).is_ok());
+        if !compared {
+            self.stirred.resize(size.0, size.1);
+            self.stirred.data.fill(0);
+        }
+    }
+
+    /// Size of the pictures, (width, height).
+    pub fn size(&self) -> (usize, usize) {
+        self.state.size
+    }
+
+    /// The heads detected in the newest picture.
+    pub fn detections(&self) -> &[Detection] {
+        &self.detections
+    }
+
+    /// What differs from the background in the newest picture.
+    pub fn change(&self) -> &Mask {
+        &self.change
+    }
+
+    /// Share of a region that differs from the background, 0 to 1; `None` where too little of it is in the picture.
+    pub fn change_share(&self, region: &Rectangle) -> Option<f32> {
+        self.changed_share.fraction(region)
+    }
+
+    /// Share of a region that changed since the picture before, 0 to 1; `None` as above.
+    pub fn stirred_share(&self, region: &Rectangle) -> Option<f32> {
+        self.stirred_share.fraction(region)
+    }
+
+    /// The colours inside the ellipse of a region; returns the share of it inside the picture, 0 to 1.
+    pub fn histogram(&self, region: &Rectangle, histogram: &mut Histogram) -> f32 {
+        self.bins.histogram(region, &mut self.scratch.borrow_mut().histogram, histogram)
+    }
+
+    /// Writes the colour distance of each region to a reference into `scores`; false, changing nothing, before the
+    /// first picture.
+    pub fn colour_distances(&self, regions: &[Rectangle], reference: &Histogram, scores: &mut [f32]) -> bool {
+        if self.state.size == (0, 0) || regions.len() != scores.len() {
+            return false;
+        }
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.bins.score_ellipses(regions, reference, &mut scratch.histogram, &mut scratch.scores);
+        for (score, similarity) in scores.iter_mut().zip(&scratch.scores) {
+            *score = similarity.distance;
+        }
+        true
+    }
+}

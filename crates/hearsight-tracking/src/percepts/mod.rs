@@ -1,0 +1,10 @@
+//! Percepts: what is computed once from a moment and shared by every cue and hypothesis, one file a sensor kind.
+//!
+//! Running percepts (background, noise floor, onsets) step at every moment and are saved; the rest is derived from the
+//! newest data into buffers that are reused.
+
+mod array;
+mod camera;
+
+pub use array::{ArrayPercepts, ArraySettings, ArrayState};
+pub use camera::{CameraPercepts, CameraSettings, CameraState, Detection};

@@ -1,0 +1,54 @@
+//! From delays to columns of a picture, for people to look at and for estimates by sound alone.
+//!
+//! A delay is a surface in the room, not a column: the map takes sounds at the height of the picture's middle row and
+//! at a nominal range (method sheet, notes for several people).
+
+use crate::percepts::ArrayPercepts;
+use hearsight_core::DistortedPixel;
+use hearsight_core::camera::Camera;
+
+/// The delay of the first microphone pair at every column of a picture.
+#[derive(Clone, Debug)]
+pub struct SoundMap {
+    delays_s: Vec<f64>,
+    step_px: f64,
+}
+
+/// Range at which sounds are taken to be, metres: the middle of a room.
+const NOMINAL_RANGE_M: f64 = 2.5;
+/// Columns of the map.
+const COLUMNS: usize = 181;
+
+impl SoundMap {
+    /// The map of a camera for an array.
+    pub fn new(camera: &Camera, array: &ArrayPercepts) -> Self {
+        let step_px = camera.width as f64 / (COLUMNS - 1) as f64;
+        let row = 0.4 * camera.height as f64;
+        let delays_s = (0..COLUMNS)
+            .map(|column| {
+                camera
+                    .ray(DistortedPixel::new(column as f64 * step_px - 0.5, row))
+                    .and_then(|ray| array.delay_s(ray.at(NOMINAL_RANGE_M)))
+                    .unwrap_or(f64::NAN)
+            })
+            .collect();
+        Self { delays_s, step_px }
+    }
+
+    /// The column that a delay points at, pixels; `None` where it points outside the picture.
+    pub fn column(&self, delay_s: f64) -> Option<f64> {
+        self.delays_s.windows(2).enumerate().find_map(|(column, pair)| {
+            let (before, after) = (pair[0] - delay_s, pair[1] - delay_s);
+            (before * after <= 0.0 && before != after)
+                .then(|| (column as f64 + before / (before - after)) * self.step_px - 0.5)
+        })
+    }
+
+    /// The correlation of this moment over the columns, 0 to 1; empty without sound.
+    pub fn strip(&self, array: &ArrayPercepts, strip: &mut Vec<f32>) {
+        strip.clear();
+        if array.has_onset() {
+            strip.extend(self.delays_s.iter().map(|delay_s| array.onset_height(*delay_s)));
+        }
+    }
+}

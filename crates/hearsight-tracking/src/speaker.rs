@@ -1,0 +1,155 @@
+//! Who speaks: one decision over every track and "nobody".
+//!
+//! A hidden Markov model whose states are the published tracks and "nobody"; its forward probabilities are the saved
+//! state. While sound is heard, a track explains it by how near the heard delay is to the delay of its mouth;
+//! "nobody" (a person outside the picture, a noise) explains every delay alike.
+
+use crate::percepts::ArrayPercepts;
+use hearsight_core::Span;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How the speaker is decided.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct SpeakerSettings {
+    /// Standard deviation of the heard delay around that of the mouth, seconds. Default 1.0e-4: 20 degrees' worth of
+    /// a hundredth of a radian at a metre between microphones. Raising it forgives bad calibration and confuses
+    /// neighbours.
+    pub deviation_s: f64,
+    /// Share of sound whose delay says nothing (echoes, noises), 0 to 1. Default 0.3. Raising it decides later.
+    pub clutter: f64,
+    /// Mean time for which one speaker goes on, seconds. Default 1.0. Raising it switches later.
+    pub turn_s: f64,
+    /// How fast silence makes "nobody" likelier: change of the logarithm of odds a second. Default 8.
+    pub silence: f64,
+    /// Probability before anything is heard that the sound of a moment comes from nobody in the picture, 0 to 1.
+    /// Default 0.3.
+    pub nobody: f64,
+    /// Probability that a track must reach to be called the speaker, 0 to 1. Default 0.5.
+    pub least: f64,
+}
+
+impl Default for SpeakerSettings {
+    fn default() -> Self {
+        Self { deviation_s: 1.0e-4, clutter: 0.3, turn_s: 1.0, silence: 8.0, nobody: 0.3, least: 0.5 }
+    }
+}
+
+/// A track as the decision sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Voice {
+    /// Its identity.
+    pub identity: u64,
+    /// Delay of its mouth, seconds, where known.
+    pub delay_s: Option<f64>,
+    /// Whether it is hidden, so that its place is less sure.
+    pub hidden: bool,
+}
+
+/// Probabilities of speaking, saved from step to step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Speaker {
+    nobody: f64,
+    people: Vec<(u64, f64)>,
+    heard: bool,
+}
+
+impl Default for Speaker {
+    fn default() -> Self {
+        Self { nobody: 1.0, people: Vec::new(), heard: false }
+    }
+}
+
+impl Speaker {
+    /// The probability that nobody in the picture speaks; `None` before any sound.
+    pub fn nobody_probability(&self) -> Option<f64> {
+        self.heard.then_some(self.nobody)
+    }
+
+    /// The probability that a track speaks, 0 where it is unknown.
+    pub fn probability_of(&self, identity: u64) -> f64 {
+        self.people.iter().find(|(known, _)| *known == identity).map_or(0.0, |(_, probability)| *probability)
+    }
+
+    /// The track that speaks, if any does.
+    pub fn speaking(&self, settings: &SpeakerSettings) -> Option<u64> {
+        self.people
+            .iter()
+            .copied()
+            .filter(|(_, probability)| *probability >= settings.least && *probability > self.nobody)
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(identity, _)| identity)
+    }
+
+    /// Takes in what the array heard since the last call, over the tracks that are there now.
+    pub fn listen(
+        &mut self,
+        voices: &[Voice],
+        array: &ArrayPercepts,
+        elapsed: Span,
+        settings: &SpeakerSettings,
+    ) {
+        let heard = array.heard();
+        self.predict(voices, elapsed, settings);
+        if heard.is_empty() {
+            self.be_silent(elapsed, settings);
+        }
+        for delay_s in heard {
+            self.explain(voices, *delay_s, array.greatest_delay_s(), settings);
+        }
+        self.heard = true;
+    }
+
+    /// Follows the tracks that are there and lets every state change with time.
+    fn predict(&mut self, voices: &[Voice], elapsed: Span, settings: &SpeakerSettings) {
+        let before = std::mem::take(&mut self.people);
+        let known = |identity| {
+            before.iter().find(|(other, _)| *other == identity).map_or(0.0, |(_, probability)| *probability)
+        };
+        self.people = voices.iter().map(|voice| (voice.identity, known(voice.identity))).collect();
+        // Whoever left took their speaking along: it is nobody's in the picture now.
+        let kept: f64 = self.people.iter().map(|(_, probability)| probability).sum();
+        self.nobody = (1.0 - kept).max(0.0);
+        let stay = (-elapsed.seconds().max(0.0) / settings.turn_s.max(1e-3)).exp();
+        let each = (1.0 - settings.nobody) / voices.len().max(1) as f64;
+        let nobody = if voices.is_empty() { 1.0 } else { settings.nobody };
+        self.nobody = stay * self.nobody + (1.0 - stay) * nobody;
+        for (_, probability) in &mut self.people {
+            *probability = stay * *probability + (1.0 - stay) * each;
+        }
+    }
+
+    fn be_silent(&mut self, elapsed: Span, settings: &SpeakerSettings) {
+        let factor = (-settings.silence * elapsed.seconds().max(0.0)).exp();
+        for (_, probability) in &mut self.people {
+            *probability *= factor;
+        }
+        self.normalize();
+    }
+
+    fn explain(&mut self, voices: &[Voice], delay_s: f64, greatest_s: f64, settings: &SpeakerSettings) {
+        let anywhere = 0.5 / greatest_s.max(1e-6);
+        self.nobody *= anywhere;
+        for ((_, probability), voice) in self.people.iter_mut().zip(voices) {
+            let deviation = settings.deviation_s * if voice.hidden { 2.0 } else { 1.0 };
+            let near = voice.delay_s.map_or(anywhere, |expected| {
+                let distance = (delay_s - expected) / deviation;
+                (-0.5 * distance * distance).exp() / (deviation * (2.0 * std::f64::consts::PI).sqrt())
+            });
+            *probability *= settings.clutter * anywhere + (1.0 - settings.clutter) * near;
+        }
+        self.normalize();
+    }
+
+    fn normalize(&mut self) {
+        let sum = self.nobody + self.people.iter().map(|(_, probability)| probability).sum::<f64>();
+        if !(sum > 0.0 && sum.is_finite()) {
+            self.nobody = 1.0;
+            self.people.iter_mut().for_each(|(_, probability)| *probability = 0.0);
+            return;
+        }
+        self.nobody /= sum;
+        self.people.iter_mut().for_each(|(_, probability)| *probability /= sum);
+    }
+}
