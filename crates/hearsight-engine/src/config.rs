@@ -1,0 +1,18 @@
+//! `room.toml`, in two stages: raw text, then resolved objects.
+//!
+//! [`raw`] holds what people may write, [`parse`] turns text into it and does nothing else, [`resolve`] reads the
+//! files that it names and checks that it makes sense. Paths are relative to the configuration file.
+
+mod document;
+mod geometry;
+mod parse;
+mod problem;
+pub mod raw;
+mod resolve;
+mod resolved;
+mod sensors;
+
+pub use parse::{Overrides, parse, room_schema};
+pub use problem::{ConfigurationError, Problem};
+pub use resolve::{load, load_room, resolve};
+pub use resolved::{Input, ResolvedArray, ResolvedCamera, ResolvedOutput, ResolvedRoom, ResolvedRun, ResolvedSystem};

@@ -1,0 +1,179 @@
+//! A configuration with every default filled in and every file that describes geometry read. Media are not open yet.
+
+use hearsight_core::calibration::Calibration;
+use hearsight_core::{Instant, Span, WorldPoint};
+use serde::{Serialize, Serializer};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+/// A room, ready to be opened.
+#[derive(Clone, Debug, Serialize)]
+pub struct ResolvedRoom {
+    /// Name of the room or recording.
+    pub name: String,
+    /// The cameras, in the order of the configuration.
+    pub cameras: Vec<ResolvedCamera>,
+    /// The microphone arrays, in the order of the configuration.
+    pub arrays: Vec<ResolvedArray>,
+    /// Metres a second.
+    pub speed_of_sound_m_s: f64,
+    /// Which system tracks.
+    pub system: ResolvedSystem,
+    /// What is written, and where.
+    pub output: ResolvedOutput,
+    /// How the run goes.
+    pub run: ResolvedRun,
+}
+
+/// Where the data of a sensor come from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Input {
+    /// A file.
+    File(PathBuf),
+    /// A capture device.
+    Device(String),
+    /// The address of a network stream.
+    Stream(String),
+    /// Numbered pictures.
+    Images(PathBuf),
+}
+
+/// A camera.
+#[derive(Clone, Debug, Serialize)]
+pub struct ResolvedCamera {
+    /// Unique name.
+    pub name: String,
+    /// Where the frames come from.
+    pub input: Input,
+    /// When the first frame was taken, nanoseconds on the common clock; nothing for a live source that starts on
+    /// arrival.
+    pub start: Option<Instant>,
+    /// How much faster than the common clock the camera's clock runs, parts per million.
+    pub drift_ppm: f64,
+    /// Whether a file is played at its own pace.
+    pub paced: bool,
+    /// Frames a second of numbered pictures.
+    pub rate_hz: f64,
+    /// Name of the input format, where given.
+    pub format: Option<String>,
+    /// Options of the input format.
+    pub options: BTreeMap<String, String>,
+    /// Lens and place, where known.
+    #[serde(serialize_with = "write_calibration")]
+    pub calibration: Option<Calibration>,
+}
+
+/// A microphone array.
+#[derive(Clone, Debug, Serialize)]
+pub struct ResolvedArray {
+    /// Unique name.
+    pub name: String,
+    /// Where the samples come from.
+    pub input: Input,
+    /// When the first sample was taken, nanoseconds on the common clock; nothing for a live source that starts on
+    /// arrival.
+    pub start: Option<Instant>,
+    /// How much faster than the common clock the array's clock runs, parts per million.
+    pub drift_ppm: f64,
+    /// Whether a file is played at its own pace.
+    pub paced: bool,
+    /// Name of the input format, where given.
+    pub format: Option<String>,
+    /// Options of the input format.
+    pub options: BTreeMap<String, String>,
+    /// Samples a second to convert to; nothing for the source's own.
+    pub rate_hz: Option<u32>,
+    /// Which channels of the source, in the order of the microphones; nothing for all.
+    pub channels: Option<Vec<usize>>,
+    /// Place of each channel's microphone; empty where unknown.
+    pub microphones: Vec<WorldPoint>,
+    /// Number of the camera that the array is paired with.
+    pub camera: Option<usize>,
+}
+
+/// Which system tracks.
+#[derive(Clone, Debug, Serialize)]
+pub struct ResolvedSystem {
+    /// Its name.
+    pub name: String,
+    /// Its parameters, as given; the system fills in its defaults.
+    pub parameters: serde_json::Value,
+}
+
+/// What is written, and where.
+#[derive(Clone, Debug, Serialize)]
+pub struct ResolvedOutput {
+    /// The directory.
+    pub directory: PathBuf,
+    /// Names of the outputs that are on.
+    pub formats: BTreeSet<&'static str>,
+}
+
+/// How the run goes.
+#[derive(Clone, Debug, Serialize)]
+pub struct ResolvedRun {
+    /// Seed of every random number.
+    pub seed: u64,
+    /// Threads for tracking, at least 1.
+    pub threads: usize,
+    /// Where to begin, nanoseconds on the common clock; nothing for where the first sensor begins.
+    pub from: Option<Instant>,
+    /// Where to end, nanoseconds on the common clock; nothing for where the last sensor ends.
+    pub until: Option<Instant>,
+    /// Time from tick to tick, nanoseconds; nothing for the fastest camera's interval.
+    pub tick: Option<Span>,
+}
+
+impl ResolvedCamera {
+    /// A camera that plays a file from the zero of the common clock, without calibration.
+    pub fn from_file(name: &str, file: impl Into<PathBuf>) -> Self {
+        Self {
+            name: name.to_owned(),
+            input: Input::File(file.into()),
+            start: Some(Instant::ZERO),
+            drift_ppm: 0.0,
+            paced: false,
+            rate_hz: 25.0,
+            format: None,
+            options: BTreeMap::new(),
+            calibration: None,
+        }
+    }
+}
+
+impl ResolvedArray {
+    /// An array that plays a file from the zero of the common clock, with microphones at unknown places.
+    pub fn from_file(name: &str, file: impl Into<PathBuf>) -> Self {
+        Self {
+            name: name.to_owned(),
+            input: Input::File(file.into()),
+            start: Some(Instant::ZERO),
+            drift_ppm: 0.0,
+            paced: false,
+            format: None,
+            options: BTreeMap::new(),
+            rate_hz: None,
+            channels: None,
+            microphones: Vec::new(),
+            camera: None,
+        }
+    }
+}
+
+fn write_calibration<S: Serializer>(calibration: &Option<Calibration>, serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Written<'a> {
+        file: &'a std::path::Path,
+        size: Option<[usize; 2]>,
+        lens: &'a hearsight_core::CameraModel,
+        pose: Option<hearsight_core::Pose>,
+    }
+    let written = calibration.as_ref().map(|calibration| Written {
+        file: &calibration.file,
+        size: calibration.size,
+        lens: &calibration.model,
+        pose: calibration.pose,
+    });
+    written.serialize(serializer)
+}

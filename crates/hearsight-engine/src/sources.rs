@@ -1,0 +1,201 @@
+//! Opens the sensors of a room, and checks that they fit each other.
+
+mod fit;
+
+use crate::config::{Input, ResolvedArray, ResolvedCamera, ResolvedRoom};
+use crate::error::EngineError;
+use hearsight_core::room::{ArraySensor, CameraSensor, Room};
+use hearsight_core::source::{AudioSource, VideoSource};
+use hearsight_core::{Instant, Span};
+use hearsight_media::{
+    AudioFile, AudioOptions, ChannelSelection, ImageOptions, ImageSequence, InputOptions, LiveAudio, LiveVideo,
+    MediaError, MomentOptions, MomentReader, Pace, QueueOptions, RunClock, SourceClock, VideoFile, VideoOptions,
+};
+use std::collections::BTreeMap;
+
+/// Open sensors, ready to be read.
+pub(crate) struct Sources {
+    pub(crate) room: Room,
+    pub(crate) reader: MomentReader,
+    /// Where the run begins and ends; the end is unknown for live sources.
+    pub(crate) start: Instant,
+    pub(crate) end: Option<Instant>,
+    pub(crate) live: bool,
+}
+
+/// Opens every sensor.
+pub(crate) fn open(configuration: &ResolvedRoom) -> Result<Sources, EngineError> {
+    let starts = configuration.cameras.iter().map(|camera| camera.start);
+    let first = starts.chain(configuration.arrays.iter().map(|array| array.start)).flatten().min();
+    let clock = RunClock::starting_at(configuration.run.from.or(first).unwrap_or(Instant::ZERO));
+    let mut cameras = Vec::new();
+    for camera in &configuration.cameras {
+        cameras.push(open_camera(camera, clock)?);
+    }
+    let mut arrays = Vec::new();
+    for array in &configuration.arrays {
+        arrays.push(open_array(array, clock)?);
+    }
+    let room = room(configuration, &cameras, &arrays)?;
+    let ranges = fit::ranges(&room, &cameras, &arrays);
+    fit::check(&room, &ranges, configuration)?;
+    let live = cameras.iter().any(|camera| camera.format().live) || arrays.iter().any(|array| array.format().live);
+    let (start, end) = fit::whole(&ranges, configuration);
+    let options = MomentOptions {
+        tick: configuration.run.tick,
+        from: configuration.run.from,
+        until: configuration.run.until,
+        clock: live.then_some(clock),
+        ..MomentOptions::default()
+    };
+    let named_cameras = configuration.cameras.iter().zip(cameras);
+    let named_arrays = configuration.arrays.iter().zip(arrays);
+    let reader = MomentReader::new(
+        named_cameras
+            .map(|(camera, source)| hearsight_media::Camera { name: camera.name.clone(), source })
+            .collect(),
+        named_arrays
+            .map(|(array, source)| hearsight_media::Microphones { name: array.name.clone(), source })
+            .collect(),
+        options,
+    )?;
+    Ok(Sources { room, reader, start, end, live })
+}
+
+/// Opens and closes each sensor by itself: its name, and its facts for people or what is wrong.
+pub(crate) fn open_each(configuration: &ResolvedRoom) -> Vec<(String, Result<String, EngineError>)> {
+    let clock = RunClock::starting_at(Instant::ZERO);
+    let cameras = configuration.cameras.iter().map(|camera| {
+        let opened = open_camera(camera, clock).map(|source| {
+            let format = source.format();
+            let rate = 1.0 / format.interval.seconds();
+            let length = format.frames.map_or_else(|| "live".to_owned(), |frames| format!("{frames} frames"));
+            format!("{} x {} pixels, {rate:.2} frames a second, {length}", format.width, format.height)
+        });
+        (camera.name.clone(), opened)
+    });
+    let arrays = configuration.arrays.iter().map(|array| {
+        let opened = open_array(array, clock).map(|source| {
+            let format = source.format();
+            let rate = f64::from(format.rate_hz.max(1));
+            let length =
+                format.samples.map_or_else(|| "live".to_owned(), |count| format!("{:.2} s", count as f64 / rate));
+            format!("{} channels, {} samples a second, {length}", format.channels, format.rate_hz)
+        });
+        (array.name.clone(), opened)
+    });
+    cameras.chain(arrays).collect()
+}
+
+fn source_clock(start: Option<Instant>, drift_ppm: f64, clock: RunClock) -> SourceClock {
+    let mut source = start.map_or_else(|| SourceClock::on_arrival(clock), SourceClock::at);
+    source.drift_ppm = drift_ppm;
+    source
+}
+
+fn input_options(format: &Option<String>, options: &BTreeMap<String, String>) -> InputOptions {
+    InputOptions {
+        format: format.clone(),
+        parameters: options.iter().map(|(key, value)| (key.clone(), value.clone())).collect(),
+        ..InputOptions::default()
+    }
+}
+
+fn open_camera(camera: &ResolvedCamera, clock: RunClock) -> Result<Box<dyn VideoSource>, EngineError> {
+    let source = camera_source(camera, clock)
+        .map_err(|source| EngineError::Sensor { sensor: camera.name.clone(), source })?;
+    let Some(pace) = pace(camera.paced, source.format().live, clock) else { return Ok(source) };
+    let queue = QueueOptions { name: camera.name.clone(), pace, ..QueueOptions::default() };
+    Ok(Box::new(LiveVideo::spawn(source, &queue).map_err(no_thread)?))
+}
+
+fn camera_source(camera: &ResolvedCamera, clock: RunClock) -> Result<Box<dyn VideoSource>, MediaError> {
+    let clock = source_clock(camera.start, camera.drift_ppm, clock);
+    let name = camera.name.clone();
+    if let Input::Images(pattern) = &camera.input {
+        let options = ImageOptions { name, clock, interval: Span::from_seconds(1.0 / camera.rate_hz) };
+        return Ok(Box::new(ImageSequence::open(pattern, options)?));
+    }
+    let input = input_options(&camera.format, &camera.options);
+    let options = VideoOptions { name, clock, interval: None, input };
+    Ok(Box::new(match &camera.input {
+        Input::File(path) | Input::Images(path) => VideoFile::open(path, options)?,
+        Input::Device(location) | Input::Stream(location) => VideoFile::open_location(location, options)?,
+    }))
+}
+
+fn open_array(array: &ResolvedArray, clock: RunClock) -> Result<Box<dyn AudioSource>, EngineError> {
+    let source = array_source(array, clock)
+        .map_err(|source| EngineError::Sensor { sensor: array.name.clone(), source })?;
+    let Some(pace) = pace(array.paced, source.format().live, clock) else { return Ok(source) };
+    let queue = QueueOptions { name: array.name.clone(), pace, ..QueueOptions::default() };
+    Ok(Box::new(LiveAudio::spawn(source, &queue).map_err(no_thread)?))
+}
+
+fn array_source(array: &ResolvedArray, clock: RunClock) -> Result<Box<dyn AudioSource>, MediaError> {
+    let channels = match &array.channels {
+        Some(channels) => ChannelSelection::These(channels.clone()),
+        None if array.microphones.is_empty() => ChannelSelection::All,
+        None => ChannelSelection::Exactly(array.microphones.len()),
+    };
+    let options = AudioOptions {
+        name: array.name.clone(),
+        clock: source_clock(array.start, array.drift_ppm, clock),
+        channels,
+        rate_hz: array.rate_hz,
+        input: input_options(&array.format, &array.options),
+    };
+    Ok(Box::new(match &array.input {
+        Input::File(path) | Input::Images(path) => AudioFile::open(path, options)?,
+        Input::Device(location) | Input::Stream(location) => AudioFile::open_location(location, options)?,
+    }))
+}
+
+/// How a source is queued; nothing for a file that waits to be read.
+fn pace(paced: bool, live: bool, clock: RunClock) -> Option<Pace> {
+    match (live, paced) {
+        (true, _) => Some(Pace::AsItComes),
+        (false, true) => Some(Pace::By(clock)),
+        (false, false) => None,
+    }
+}
+
+fn no_thread(error: std::io::Error) -> EngineError {
+    EngineError::Threads { threads: 1, reason: error.to_string() }
+}
+
+/// What systems may know of the sensors.
+fn room(
+    configuration: &ResolvedRoom,
+    cameras: &[Box<dyn VideoSource>],
+    arrays: &[Box<dyn AudioSource>],
+) -> Result<Room, EngineError> {
+    let cameras = configuration.cameras.iter().zip(cameras).map(|(camera, source)| {
+        let format = source.format();
+        let lens = camera.calibration.as_ref();
+        let calibration = lens.map(|lens| lens.camera(format.width, format.height)).transpose();
+        Ok(CameraSensor {
+            name: camera.name.clone(),
+            width: format.width,
+            height: format.height,
+            interval: format.interval,
+            calibration: calibration
+                .map_err(|source| EngineError::Calibration { camera: camera.name.clone(), source })?,
+        })
+    });
+    let arrays = configuration.arrays.iter().zip(arrays).map(|(array, source)| {
+        let format = source.format();
+        ArraySensor {
+            name: array.name.clone(),
+            rate_hz: format.rate_hz,
+            channels: format.channels,
+            microphones: array.microphones.clone(),
+            camera: array.camera,
+        }
+    });
+    Ok(Room {
+        cameras: cameras.collect::<Result<_, EngineError>>()?,
+        arrays: arrays.collect(),
+        speed_of_sound_m_s: configuration.speed_of_sound_m_s,
+    })
+}
