@@ -4,8 +4,9 @@ use crate::audio_stream::{AudioStream, Step, Trouble};
 use crate::channels::ChannelSelection;
 use crate::clock::SourceClock;
 use crate::error::{MediaError, fault};
+use crate::input::InputOptions;
 use crate::location;
-use crate::reader::{InputOptions, StreamReader};
+use crate::reader::StreamReader;
 use crate::resample::RateConverter;
 use crate::samples::quarantine;
 use crate::wav::Wav;
@@ -72,7 +73,7 @@ impl AudioFile {
         location::check_as(location, options.input.format.as_deref())?;
         let declared = options.clock.is_declared();
         let wav = if location::is_path(location) && options.input.format.is_none() {
-            Wav::open(location)?
+            Wav::open(location)
         } else {
             None
         };
@@ -122,6 +123,10 @@ impl AudioFile {
         } else {
             Span::ZERO
         };
+        let arrival = match &origin {
+            Origin::Wav(_) => std::time::Instant::now(),
+            Origin::Stream(stream) => stream.arrival(),
+        };
         let format = AudioFormat {
             rate_hz,
             channels: selection.len(),
@@ -130,7 +135,7 @@ impl AudioFile {
                     .as_ref()
                     .map_or(count, |converter| converter.length(count))
             }),
-            start: options.clock.start_now() + lead,
+            start: options.clock.start_on_arrival(arrival) + lead,
             live,
         };
         Ok(Self {
@@ -166,9 +171,9 @@ impl AudioFile {
             Origin::Wav(wav) => wav.append(&self.selection, &mut self.planes),
             Origin::Stream(stream) => {
                 let step = stream.append(&self.selection, &mut self.planes, &mut self.troubles);
-                if !self.begun && stream.has_begun() {
+                if let (false, Some(since)) = (self.begun, stream.since_arrival()) {
                     self.begun = true;
-                    self.format.start = self.clock.start_now();
+                    self.format.start = self.clock.start_on_arrival(stream.arrival()) + since;
                 }
                 step == Step::More
             }

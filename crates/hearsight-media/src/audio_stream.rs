@@ -4,6 +4,7 @@ use crate::reader::{Decoded, StreamReader, span_of};
 use crate::samples;
 use ffmpeg_next::frame;
 use hearsight_core::{FaultKind, Span};
+use std::time;
 
 /// Zeros that one step appends.
 const ZEROS_A_STEP: i64 = 4096;
@@ -71,9 +72,14 @@ impl AudioStream {
         self.reader.live
     }
 
-    /// Whether the first samples have come.
-    pub(crate) fn has_begun(&self) -> bool {
-        self.zero.is_some()
+    /// When the first data arrived.
+    pub(crate) fn arrival(&self) -> time::Instant {
+        self.reader.arrival
+    }
+
+    /// How long after the arrival of the first data sample 0 lies, once it has come.
+    pub(crate) fn since_arrival(&self) -> Option<Span> {
+        self.zero.map(|zero| self.reader.since_arrival(zero))
     }
 
     /// Appends the next samples of the channels `selection` to `planes`.

@@ -37,6 +37,15 @@ impl RunClock {
         self.zero + Span::from_seconds(self.origin.elapsed().as_secs_f64() * self.speed)
     }
 
+    /// What the clock read, or will read, at a time of the machine.
+    pub(crate) fn reading(&self, machine: time::Instant) -> Instant {
+        let seconds = match machine.checked_duration_since(self.origin) {
+            Some(after) => after.as_secs_f64(),
+            None => -self.origin.duration_since(machine).as_secs_f64(),
+        };
+        self.zero + Span::from_seconds(seconds * self.speed)
+    }
+
     /// True time until the clock reads `instant`; zero where that is past.
     pub fn until(&self, instant: Instant) -> time::Duration {
         let seconds = (instant - self.now()).seconds() / self.speed;
@@ -90,11 +99,11 @@ impl SourceClock {
         }
     }
 
-    /// The declared start, or the clock of the run now where there is none.
-    pub(crate) fn start_now(&self) -> Instant {
+    /// The declared start, or what the clock of the run read when the first data arrived.
+    pub(crate) fn start_on_arrival(&self, arrival: time::Instant) -> Instant {
         match self.start {
             Start::At(instant) => instant,
-            Start::OnArrival(clock) => clock.now(),
+            Start::OnArrival(clock) => clock.reading(arrival),
         }
     }
 

@@ -52,7 +52,8 @@ impl Deadline {
 }
 
 /// Opens `location` and finds its streams; a blocking call ends with [`Error::Exit`] when `deadline` passes. An empty
-/// `format` leaves the format to be found out.
+/// `format` leaves the format to be found out. Returned with the input is the time at which its first data arrived,
+/// before libav listened to the stream for a while to know it.
 #[expect(
     unsafe_code,
     reason = "the bindings open with a format or with an interrupt callback, never with both"
@@ -62,7 +63,7 @@ pub(crate) fn open_input(
     format: &str,
     options: Dictionary<'_>,
     deadline: &Deadline,
-) -> Result<Input, Error> {
+) -> Result<(Input, time::Instant), Error> {
     let location = CString::new(location).map_err(|_| Error::InvalidData)?;
     let format = CString::new(format).map_err(|_| Error::DemuxerNotFound)?;
     let watch = deadline.clone();
@@ -92,11 +93,12 @@ pub(crate) fn open_input(
         if opened < 0 {
             return Err(Error::from(opened));
         }
+        let arrival = time::Instant::now();
         let found = ffi::avformat_find_stream_info(context, ptr::null_mut());
         if found < 0 {
             ffi::avformat_close_input(&raw mut context);
             return Err(Error::from(found));
         }
-        Ok(Input::wrap_with_interrupt(context, interrupt.guard))
+        Ok((Input::wrap_with_interrupt(context, interrupt.guard), arrival))
     }
 }

@@ -4,15 +4,12 @@
 //! frame's own memory: the result is the same on every machine, whatever SIMD it has. swscale first brings anything
 //! else to a form that this module takes, and pictures that change their size in mid-stream to the declared size.
 
+use crate::matrix::{Matrix, luma_from_rgb};
 use ffmpeg_next::color;
 use ffmpeg_next::format::Pixel;
 use ffmpeg_next::frame;
 use ffmpeg_next::software::scaling;
 use hearsight_core::VideoFrame;
-
-/// Fixed-point one.
-const ONE: f64 = 65_536.0;
-const HALF: i32 = 32_768;
 
 /// Turns libav frames of any format into frames of one size.
 pub(crate) struct PictureConverter {
@@ -32,19 +29,6 @@ struct Scaler {
 // converter is used by one thread at a time, since every use takes `&mut self`.
 #[expect(unsafe_code, reason = "the bindings leave the scaling context without Send")]
 unsafe impl Send for Scaler {}
-
-/// YUV to RGB in 16-bit fixed point.
-#[derive(Clone)]
-struct Matrix {
-    /// Luma code to full-range luma.
-    luma: [u8; 256],
-    /// Luma code to fixed point, rounding included.
-    scaled: [i32; 256],
-    red_from_v: i32,
-    green_from_u: i32,
-    green_from_v: i32,
-    blue_from_u: i32,
-}
 
 impl PictureConverter {
     /// A converter to pictures of the given size.
@@ -149,78 +133,6 @@ impl Scaler {
     }
 }
 
-impl Matrix {
-    fn new(space: color::Space, full: bool) -> Self {
-        // ITU-R BT.709-6, BT.2020-2 and BT.601-7; what is not tagged is BT.601, as libav itself assumes.
-        let (red, blue) = match space {
-            color::Space::BT709 => (0.2126, 0.0722),
-            color::Space::BT2020NCL | color::Space::BT2020CL => (0.2627, 0.0593),
-            _ => (0.299, 0.114),
-        };
-        let green = 1.0 - red - blue;
-        let chroma = if full { 1.0 } else { 255.0 / 224.0 };
-        let (black, gain) = if full { (0, 1.0) } else { (16, 255.0 / 219.0) };
-        let fixed = |value: f64| (value * ONE).round() as i32;
-        let mut matrix = Self {
-            luma: [0; 256],
-            scaled: [0; 256],
-            red_from_v: fixed(2.0 * (1.0 - red) * chroma),
-            green_from_u: -fixed(2.0 * (1.0 - blue) * blue / green * chroma),
-            green_from_v: -fixed(2.0 * (1.0 - red) * red / green * chroma),
-            blue_from_u: fixed(2.0 * (1.0 - blue) * chroma),
-        };
-        for code in 0..256_usize {
-            let value = f64::from(code as i32 - black) * gain;
-            matrix.luma[code] = value.round().clamp(0.0, 255.0) as u8;
-            matrix.scaled[code] = fixed(value) + HALF;
-        }
-        matrix
-    }
-
-    #[inline(always)]
-    fn chroma(&self, u: u8, v: u8) -> (i32, i32, i32) {
-        let (u, v) = (i32::from(u) - 128, i32::from(v) - 128);
-        (
-            self.red_from_v * v,
-            self.green_from_u * u + self.green_from_v * v,
-            self.blue_from_u * u,
-        )
-    }
-
-    #[inline(always)]
-    fn write(&self, code: u8, (red, green, blue): (i32, i32, i32), pixel: &mut [u8]) {
-        let luma = self.scaled[usize::from(code)];
-        pixel[0] = ((luma + red) >> 16).clamp(0, 255) as u8;
-        pixel[1] = ((luma + green) >> 16).clamp(0, 255) as u8;
-        pixel[2] = ((luma + blue) >> 16).clamp(0, 255) as u8;
-    }
-
-    /// A row whose chroma has half the width.
-    fn row_of_pairs(&self, codes: &[u8], u: &[u8], v: &[u8], rgb: &mut [u8]) {
-        let pairs = codes
-            .chunks_exact(2)
-            .zip(rgb.chunks_exact_mut(6))
-            .zip(u.iter().zip(v));
-        for ((codes, pixels), (u, v)) in pairs {
-            let chroma = self.chroma(*u, *v);
-            self.write(codes[0], chroma, &mut pixels[..3]);
-            self.write(codes[1], chroma, &mut pixels[3..6]);
-        }
-        if codes.len() % 2 == 1
-            && let (Some(code), Some(u), Some(v)) = (codes.last(), u.last(), v.last())
-        {
-            let at = rgb.len() - 3;
-            self.write(*code, self.chroma(*u, *v), &mut rgb[at..]);
-        }
-    }
-
-    fn row(&self, codes: &[u8], u: &[u8], v: &[u8], across: usize, rgb: &mut [u8]) {
-        for (x, (code, pixel)) in codes.iter().zip(rgb.chunks_exact_mut(3)).enumerate() {
-            self.write(*code, self.chroma(u[x >> across], v[x >> across]), pixel);
-        }
-    }
-}
-
 /// Whether the planes can be read without swscale.
 fn is_direct(picture: &frame::Video) -> bool {
     let planes = match picture.format() {
@@ -292,14 +204,6 @@ fn copy_gray(picture: &frame::Video, frame: &mut VideoFrame) {
         for (pixel, value) in frame.rgb[y * width * 3..].chunks_exact_mut(3).zip(gray) {
             pixel.fill(*value);
         }
-    }
-}
-
-/// Full-range BT.601 luma of interleaved R, G, B.
-pub(crate) fn luma_from_rgb(rgb: &[u8], luma: &mut [u8]) {
-    for (pixel, luma) in rgb.chunks_exact(3).zip(luma) {
-        let sum = u32::from(pixel[0]) * 19_595 + u32::from(pixel[1]) * 38_470 + u32::from(pixel[2]) * 7_471;
-        *luma = ((sum + 32_768) >> 16) as u8;
     }
 }
 

@@ -3,15 +3,17 @@
 //! Shared by video and audio. It knows deadlines, damaged packets and the end, but neither times nor pictures.
 
 use crate::error::MediaError;
+use crate::input::InputOptions;
 use crate::libav::{self, Deadline};
 use crate::location;
+use crate::refusal::{contents, no_stream, refusal};
 use ffmpeg_next::codec::{self, threading};
 use ffmpeg_next::format::context::Input;
-use ffmpeg_next::{Dictionary, Error, Packet, Rational, decoder, frame, media};
+use ffmpeg_next::{Error, Packet, Rational, decoder, frame, media};
 use hearsight_core::Span;
 use std::path::Path;
 use std::thread;
-use std::time::Duration;
+use std::time::{self, Duration};
 
 /// `EAGAIN`, which libav returns for "not yet"; the same number on every Linux and macOS architecture but a few.
 const TRY_AGAIN: Error = Error::Other {
@@ -19,56 +21,6 @@ const TRY_AGAIN: Error = Error::Other {
 };
 /// Errors in a row after which a source counts as lost: a demuxer that never recovers must not loop for ever.
 const MOST_ERRORS_IN_A_ROW: u32 = 200;
-
-/// How a file, device or stream is opened.
-#[derive(Clone, Debug)]
-pub struct InputOptions {
-    /// The longest wait for a stream or device, to open and for each read; default 5 s. Files have no limit.
-    pub timeout: Span,
-    /// libav's name of the format, for example `v4l2`, `alsa` or `mpegts`; default is to find out.
-    pub format: Option<String>,
-    /// Options for libav's demuxer and protocol, for example `("rtsp_transport", "tcp")`.
-    pub parameters: Vec<(String, String)>,
-    /// Threads of the decoder; default 1, 0 for as many as libav likes. Results do not depend on it.
-    pub threads: usize,
-    /// Index of the stream in the file, from 0; default is the best of its kind.
-    pub stream: Option<usize>,
-}
-
-impl Default for InputOptions {
-    fn default() -> Self {
-        Self {
-            timeout: Span::from_seconds(5.0),
-            format: None,
-            parameters: Vec::new(),
-            threads: 1,
-            stream: None,
-        }
-    }
-}
-
-impl InputOptions {
-    fn timeout(&self) -> Duration {
-        Duration::from_nanos(self.timeout.nanoseconds().max(1_000_000) as u64)
-    }
-
-    fn dictionary(&self, location: &str) -> Dictionary<'static> {
-        let mut dictionary = Dictionary::new();
-        if location::is_session_description(location) {
-            dictionary.set("protocol_whitelist", "file,crypto,data,rtp,rtcp,udp,tcp");
-        }
-        if location.starts_with("rtsp:") {
-            // UDP loses packets silently where TCP waits; a user's own choice overrides this.
-            dictionary.set("rtsp_flags", "prefer_tcp");
-        }
-        for (key, value) in &self.parameters {
-            if !key.contains('\0') && !value.contains('\0') {
-                dictionary.set(key, value);
-            }
-        }
-        dictionary
-    }
-}
 
 /// What one step of decoding brought.
 #[derive(Debug)]
@@ -104,6 +56,8 @@ pub(crate) struct StreamReader {
     /// How much later than the earliest audio or video stream of the container this one begins.
     pub(crate) lead: Span,
     pub(crate) live: bool,
+    /// When the first data arrived.
+    pub(crate) arrival: time::Instant,
     pub(crate) facts: Facts,
     stream: usize,
     deadline: Option<(Deadline, Duration)>,
@@ -128,8 +82,12 @@ impl StreamReader {
             deadline.set(options.timeout());
         }
         let format = options.format.as_deref().unwrap_or_default();
-        let input = libav::open_input(location, format, options.dictionary(location), &deadline)
-            .map_err(|error| refusal(location, waits, options, error))?;
+        let (input, arrival) = libav::open_input(location, format, options.dictionary(location), &deadline)
+            .map_err(|error| {
+            // Some protocols answer a time that ran out with an error of their own.
+            let error = if deadline.passed() { Error::Exit } else { error };
+            refusal(location, waits, options, error)
+        })?;
         let stream = choose_stream(location, &input, kind, options.stream)?;
         let (time_base, start_time, parameters) = {
             let stream = input
@@ -151,6 +109,7 @@ impl StreamReader {
             start_time,
             lead,
             live,
+            arrival,
             facts,
             stream,
             deadline: waits.then(|| (deadline, options.timeout())),
@@ -163,6 +122,19 @@ impl StreamReader {
     /// The stream's facts as libav tells them.
     pub(crate) fn stream(&self) -> Option<ffmpeg_next::Stream<'_>> {
         self.input.stream(self.stream)
+    }
+
+    /// How long after the first data a time of the stream lies, for streams without a declared start.
+    pub(crate) fn since_arrival(&self, time: i64) -> Span {
+        let since = self.start_time.map_or(Span::ZERO, |start| {
+            span_of(time.saturating_sub(start), self.time_base)
+        });
+        // A stream that contradicts its own start says nothing.
+        if (Span::ZERO..Span::from_seconds(10.0)).contains(&since) {
+            since
+        } else {
+            Span::ZERO
+        }
     }
 
     /// Decodes on until there is a frame, a fault or the end.
@@ -365,63 +337,5 @@ fn choose_stream(
             })
             .map(|stream| stream.index())
             .ok_or_else(|| no_stream(location, input, kind)),
-    }
-}
-
-fn no_stream(location: &str, input: &Input, kind: media::Type) -> MediaError {
-    let (location, found) = (location.to_owned(), contents(input));
-    if kind == media::Type::Video {
-        MediaError::NoVideo { location, found }
-    } else {
-        MediaError::NoAudio { location, found }
-    }
-}
-
-fn contents(input: &Input) -> String {
-    let kinds: Vec<String> = input
-        .streams()
-        .map(|stream| {
-            let parameters = stream.parameters();
-            let kind = match parameters.medium() {
-                media::Type::Video => "video",
-                media::Type::Audio => "audio",
-                media::Type::Subtitle => "subtitles",
-                _ => "data",
-            };
-            format!(
-                "{kind} in {} as stream {}",
-                parameters.id().name(),
-                stream.index()
-            )
-        })
-        .collect();
-    if kinds.is_empty() {
-        "nothing".to_owned()
-    } else {
-        kinds.join(", ")
-    }
-}
-
-fn refusal(location: &str, waits: bool, options: &InputOptions, error: Error) -> MediaError {
-    let (location, reason) = (location.to_owned(), error.to_string());
-    match error {
-        Error::Exit => MediaError::Unreachable {
-            location,
-            timeout_s: options.timeout.seconds(),
-            reason: "the time ran out".to_owned(),
-        },
-        Error::DemuxerNotFound => MediaError::BadOption {
-            location,
-            option: "format",
-            value: options.format.clone().unwrap_or_default(),
-            cure: "name a format that `ffmpeg -formats` lists, or leave it out",
-        },
-        Error::Other { .. } if waits => MediaError::Unreachable {
-            location,
-            timeout_s: options.timeout.seconds(),
-            reason,
-        },
-        Error::Other { .. } => MediaError::Unreadable { location, reason },
-        _ => MediaError::NotMedia { location, reason },
     }
 }

@@ -2,9 +2,10 @@
 
 use crate::clock::SourceClock;
 use crate::error::{MediaError, fault};
+use crate::input::InputOptions;
 use crate::location;
 use crate::picture::PictureConverter;
-use crate::reader::{Decoded, InputOptions, StreamReader, span_of};
+use crate::reader::{Decoded, StreamReader, span_of};
 use crate::timeline::{Place, Timeline};
 use ffmpeg_next::{Rational, frame, media};
 use hearsight_core::source::{Delivery, VideoFormat, VideoSource};
@@ -96,7 +97,7 @@ impl VideoFile {
             height,
             interval,
             frames,
-            start: options.clock.start_now() + lead,
+            start: options.clock.start_on_arrival(reader.arrival) + lead,
             live: reader.live,
         };
         let name = if options.name.is_empty() {
@@ -143,7 +144,8 @@ impl VideoFile {
         if self.zero.is_none() {
             self.zero = Some(time);
             if !self.clock.is_declared() {
-                self.format.start = self.clock.start_now();
+                self.format.start =
+                    self.clock.start_on_arrival(self.reader.arrival) + self.reader.since_arrival(time);
             }
         }
         span_of(time.saturating_sub(self.zero.unwrap_or(time)), base)

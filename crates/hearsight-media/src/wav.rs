@@ -1,6 +1,5 @@
 //! WAV files by an own path: it knows what the header promised, which libav forgets.
 
-use crate::error::MediaError;
 use crate::samples::integer;
 use hound::{SampleFormat, WavReader};
 use std::fs::File;
@@ -21,35 +20,25 @@ pub(crate) struct Wav {
 }
 
 impl Wav {
-    /// Opens a WAV file; `Ok(None)` where it is of a kind that hound leaves to others.
-    pub(crate) fn open(location: &str) -> Result<Option<Self>, MediaError> {
-        if !Path::new(location).extension().is_some_and(|extension| {
-            extension.eq_ignore_ascii_case("wav") || extension.eq_ignore_ascii_case("wave")
-        }) {
-            return Ok(None);
+    /// Opens a WAV file; `None` where it is none or of a kind that hound leaves to others.
+    pub(crate) fn open(location: &str) -> Option<Self> {
+        let extension = Path::new(location).extension()?;
+        if !extension.eq_ignore_ascii_case("wav") && !extension.eq_ignore_ascii_case("wave") {
+            return None;
         }
-        let reader = match WavReader::open(location) {
-            Ok(reader) => reader,
-            Err(hound::Error::IoError(error)) if error.kind() != std::io::ErrorKind::UnexpectedEof => {
-                return Err(MediaError::Unreadable {
-                    location: location.to_owned(),
-                    reason: error.to_string(),
-                });
-            }
-            Err(_) => return Ok(None),
-        };
+        let reader = WavReader::open(location).ok()?;
         let spec = reader.spec();
         // A recorder that crashed leaves a length of zero; libav then reads to the end of the file.
         if spec.channels == 0 || spec.sample_rate == 0 || reader.duration() == 0 {
-            return Ok(None);
+            return None;
         }
-        Ok(Some(Self {
+        Some(Self {
             rate_hz: spec.sample_rate,
             channels: usize::from(spec.channels),
             promised: u64::from(reader.duration()),
             frame: Vec::with_capacity(usize::from(spec.channels)),
             reader,
-        }))
+        })
     }
 
     /// Appends the next samples of the channels `selection` to `planes`; `false` at the end.
