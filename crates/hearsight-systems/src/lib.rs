@@ -64,7 +64,10 @@ pub enum SystemError {
 pub fn build(name: &str, parameters: &Value, room: &Room, seed: u64) -> Result<Box<dyn System>, SystemError> {
     let Some(info) = REGISTRY.iter().find(|info| info.name == name) else {
         let known: Vec<&str> = REGISTRY.iter().map(|info| info.name).collect();
-        return Err(SystemError::Unknown { name: name.into(), known: known.join(", ") });
+        return Err(SystemError::Unknown {
+            name: name.into(),
+            known: known.join(", "),
+        });
     };
     (info.build)(parameters, room, seed)
 }
@@ -79,7 +82,9 @@ mod tests {
             assert!(!info.summary.is_empty() && !info.source.is_empty());
             let schema = (info.parameters)();
             for (name, property) in schema["properties"].as_object().unwrap() {
-                let described = property["description"].as_str().is_some_and(|text| !text.is_empty());
+                let described = property["description"]
+                    .as_str()
+                    .is_some_and(|text| !text.is_empty());
                 assert!(described, "{}.{name} has no description", info.name);
             }
         }
@@ -87,7 +92,10 @@ mod tests {
 
     #[test]
     fn an_unknown_system_is_named_with_those_that_are_known() {
-        let error = build("stack", &Value::Null, &Room::default(), 0).err().unwrap().to_string();
+        let error = build("stack", &Value::Null, &Room::default(), 0)
+            .err()
+            .unwrap()
+            .to_string();
         assert!(error.contains("stack") && error.contains("stac"), "{error}");
     }
 }

@@ -9,7 +9,9 @@ mod parameters;
 pub use parameters::{Likelihood, Parameters};
 
 use crate::{SystemError, SystemInfo, parallel};
-use hearsight_core::record::{BoxRecord, SCENE_SCHEMA_VERSION, Scene, SoundRecord, TrackPhase, TrackRecord, ViewRecord};
+use hearsight_core::record::{
+    BoxRecord, SCENE_SCHEMA_VERSION, Scene, SoundRecord, TrackPhase, TrackRecord, ViewRecord,
+};
 use hearsight_core::room::Room;
 use hearsight_core::{Instant, Moment, Span};
 use hearsight_tracking::body::{HeadBox, Part};
@@ -74,21 +76,33 @@ struct SavedView {
 }
 
 fn wrong(reason: impl std::fmt::Display) -> SystemError {
-    SystemError::Parameters { system: INFO.name, reason: reason.to_string() }
+    SystemError::Parameters {
+        system: INFO.name,
+        reason: reason.to_string(),
+    }
 }
 
 fn build(parameters: &Value, room: &Room, seed: u64) -> Result<Box<dyn System>, SystemError> {
-    let parameters: Parameters =
-        if parameters.is_null() { Parameters::default() } else { Parameters::deserialize(parameters).map_err(wrong)? };
+    let parameters: Parameters = if parameters.is_null() {
+        Parameters::default()
+    } else {
+        Parameters::deserialize(parameters).map_err(wrong)?
+    };
     if room.cameras.is_empty() {
         return Err(SystemError::Room {
             system: INFO.name,
             reason: "there is no camera; add a [[camera]] to the room".into(),
         });
     }
-    let views: Result<Vec<View>, SystemError> =
-        (0..room.cameras.len()).map(|camera| build_view(&parameters, room, camera, seed)).collect();
-    Ok(Box::new(Stac { views: views?, speaker_least: parameters.speaker, next_identity: 0, last: None }))
+    let views: Result<Vec<View>, SystemError> = (0..room.cameras.len())
+        .map(|camera| build_view(&parameters, room, camera, seed))
+        .collect();
+    Ok(Box::new(Stac {
+        views: views?,
+        speaker_least: parameters.speaker,
+        next_identity: 0,
+        last: None,
+    }))
 }
 
 fn build_view(parameters: &Parameters, room: &Room, camera: usize, seed: u64) -> Result<View, SystemError> {
@@ -140,13 +154,31 @@ fn stages(parameters: &Parameters) -> Result<Vec<Stage>, SystemError> {
     let mut add = |cue: Box<dyn Cue>, calibration, likelihood: &Likelihood| {
         if likelihood.enabled {
             cues.push(cue);
-            terms.push(Term { calibration, floor: likelihood.floor, exponent: likelihood.exponent });
+            terms.push(Term {
+                calibration,
+                floor: likelihood.floor,
+                exponent: likelihood.exponent,
+            });
         }
     };
-    let colour = |likelihood: &Likelihood| Calibration::Distance { sigma: likelihood.sigma };
-    add(Box::new(ColourCue::new(Part::Head)), colour(&parameters.head_colour), &parameters.head_colour);
-    add(Box::new(ColourCue::new(Part::Torso)), colour(&parameters.torso_colour), &parameters.torso_colour);
-    add(Box::new(MotionCue::new(parameters.motion_shape)), Calibration::Likelihood, &parameters.motion);
+    let colour = |likelihood: &Likelihood| Calibration::Distance {
+        sigma: likelihood.sigma,
+    };
+    add(
+        Box::new(ColourCue::new(Part::Head)),
+        colour(&parameters.head_colour),
+        &parameters.head_colour,
+    );
+    add(
+        Box::new(ColourCue::new(Part::Torso)),
+        colour(&parameters.torso_colour),
+        &parameters.torso_colour,
+    );
+    add(
+        Box::new(MotionCue::new(parameters.motion_shape)),
+        Calibration::Likelihood,
+        &parameters.motion,
+    );
     let sigma = parameters.sound.sigma;
     let sound = if parameters.printed_equation_8 {
         Calibration::PrintedCorrelation { sigma }
@@ -155,10 +187,19 @@ fn stages(parameters: &Parameters) -> Result<Vec<Stage>, SystemError> {
     };
     add(Box::new(SoundCue), sound, &parameters.sound);
     Ok(vec![
-        Stage::Propose(Box::new(RandomWalkProposal::new(&parameters.transition).map_err(wrong)?)),
+        Stage::Propose(Box::new(
+            RandomWalkProposal::new(&parameters.transition).map_err(wrong)?,
+        )),
         Stage::Propose(Box::new(DetectedProposal::new(parameters.detected))),
-        Stage::Weigh { cues, fusion: Box::new(Product::new(terms)), hidden: parameters.hidden },
-        Stage::Resample { scheme: parameters.resampling, below: 1.0 },
+        Stage::Weigh {
+            cues,
+            fusion: Box::new(Product::new(terms)),
+            hidden: parameters.hidden,
+        },
+        Stage::Resample {
+            scheme: parameters.resampling,
+            below: 1.0,
+        },
     ])
 }
 
@@ -198,7 +239,11 @@ impl View {
             let Some(id) = belief.identity else { continue };
             scene.tracks.push(TrackRecord {
                 id,
-                phase: if belief.occluded { TrackPhase::Occluded } else { TrackPhase::Visible },
+                phase: if belief.occluded {
+                    TrackPhase::Occluded
+                } else {
+                    TrackPhase::Visible
+                },
                 existence: belief.existence.probability(),
                 views: vec![ViewRecord {
                     camera: self.name.clone(),
@@ -241,7 +286,8 @@ impl System for Stac {
         // the views are left as they are.
         let _ = parallel::each(&mut self.views, |view| view.step(moment, elapsed));
         for view in &mut self.views {
-            view.tracker.publish(&view.seen, moment.time, &mut self.next_identity);
+            view.tracker
+                .publish(&view.seen, moment.time, &mut self.next_identity);
         }
         scene.schema.clear();
         scene.schema.push_str(SCENE_SCHEMA_VERSION);
@@ -280,7 +326,11 @@ impl System for Stac {
         let foreign = |reason: String| StateError::Foreign(reason);
         let saved: Saved = postcard::from_bytes(state).map_err(|error| foreign(error.to_string()))?;
         if saved.views.len() != self.views.len() {
-            return Err(foreign(format!("{} views where the room has {}", saved.views.len(), self.views.len())));
+            return Err(foreign(format!(
+                "{} views where the room has {}",
+                saved.views.len(),
+                self.views.len()
+            )));
         }
         for (view, saved) in self.views.iter().zip(&saved.views) {
             if view.heard.is_some() != saved.array.is_some() {
@@ -288,9 +338,13 @@ impl System for Stac {
             }
         }
         for (view, saved) in self.views.iter_mut().zip(saved.views) {
-            view.seen.set_state(saved.camera).map_err(|error| foreign(error.to_string()))?;
+            view.seen
+                .set_state(saved.camera)
+                .map_err(|error| foreign(error.to_string()))?;
             if let (Some(heard), Some(array)) = (&mut view.heard, saved.array) {
-                heard.set_state(array).map_err(|error| foreign(error.to_string()))?;
+                heard
+                    .set_state(array)
+                    .map_err(|error| foreign(error.to_string()))?;
             }
             view.tracker.set_state(saved.tracker);
             view.frame = saved.frame;

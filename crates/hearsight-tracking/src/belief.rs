@@ -17,8 +17,10 @@ pub struct Belief {
     pub particles: Particles,
     /// Its own generator, so that no other belief changes its numbers.
     pub generator: Generator,
-    /// Colours of its parts.
+    /// Colours of its parts as they are now.
     pub appearance: Appearance,
+    /// Colours of its parts in the mean over its life, by which it is known again.
+    pub portrait: Portrait,
     /// Whether there is a person at all.
     pub existence: Existence,
     /// Whether the person is hidden behind another.
@@ -27,6 +29,8 @@ pub struct Belief {
     pub body_part_s: f64,
     /// Seconds for which it has stood at the place of another, less those for which it has not.
     pub merged_s: f64,
+    /// When its identity was given, if it was a new one that may yet turn out to be that of somebody known.
+    pub unknown_since: Option<Instant>,
     /// When the belief began.
     pub born: Instant,
     /// When a detection last supported it.
@@ -49,6 +53,13 @@ pub struct Belief {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Appearance {
     parts: [Histogram; Part::ALL.len()],
+}
+
+/// The mean appearance over a life.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Portrait {
+    mean: Appearance,
+    seen: [u32; Part::ALL.len()],
 }
 
 /// The probability that a person exists, as a logarithm of odds that evidence adds to.
@@ -76,6 +87,32 @@ impl Existence {
     /// The probability, 0 to 1.
     pub fn probability(self) -> f64 {
         1.0 / (1.0 + (-self.log_odds).exp())
+    }
+}
+
+impl Portrait {
+    /// Adds one sight of a part.
+    pub fn add(&mut self, part: Part, histogram: &Histogram) {
+        let seen = &mut self.seen[part.index()];
+        *seen = seen.saturating_add(1);
+        self.mean.learn(part, histogram, 1.0 / *seen as f32);
+    }
+
+    /// The mean of all sights.
+    pub fn mean(&self) -> &Appearance {
+        &self.mean
+    }
+
+    /// Goes on from an older portrait of the same person.
+    pub fn join(&mut self, older: &Self) {
+        for part in Part::ALL {
+            let (new, old) = (self.seen[part.index()], older.seen[part.index()]);
+            if let Some(histogram) = older.mean.part(part) {
+                let share = f64::from(old) / (f64::from(old) + f64::from(new)).max(1.0);
+                self.mean.learn(part, histogram, share as f32);
+                self.seen[part.index()] = new.saturating_add(old);
+            }
+        }
     }
 }
 

@@ -32,7 +32,14 @@ pub struct SpeakerSettings {
 
 impl Default for SpeakerSettings {
     fn default() -> Self {
-        Self { deviation_s: 1.0e-4, clutter: 0.3, turn_s: 1.0, silence: 8.0, nobody: 0.3, least: 0.5 }
+        Self {
+            deviation_s: 1.0e-4,
+            clutter: 0.3,
+            turn_s: 1.0,
+            silence: 8.0,
+            nobody: 0.3,
+            least: 0.5,
+        }
     }
 }
 
@@ -57,7 +64,11 @@ pub struct Speaker {
 
 impl Default for Speaker {
     fn default() -> Self {
-        Self { nobody: 1.0, people: Vec::new(), heard: false }
+        Self {
+            nobody: 1.0,
+            people: Vec::new(),
+            heard: false,
+        }
     }
 }
 
@@ -69,7 +80,10 @@ impl Speaker {
 
     /// The probability that a track speaks, 0 where it is unknown.
     pub fn probability_of(&self, identity: u64) -> f64 {
-        self.people.iter().find(|(known, _)| *known == identity).map_or(0.0, |(_, probability)| *probability)
+        self.people
+            .iter()
+            .find(|(known, _)| *known == identity)
+            .map_or(0.0, |(_, probability)| *probability)
     }
 
     /// The track that speaks, if any does.
@@ -105,9 +119,15 @@ impl Speaker {
     fn predict(&mut self, voices: &[Voice], elapsed: Span, settings: &SpeakerSettings) {
         let before = std::mem::take(&mut self.people);
         let known = |identity| {
-            before.iter().find(|(other, _)| *other == identity).map_or(0.0, |(_, probability)| *probability)
+            before
+                .iter()
+                .find(|(other, _)| *other == identity)
+                .map_or(0.0, |(_, probability)| *probability)
         };
-        self.people = voices.iter().map(|voice| (voice.identity, known(voice.identity))).collect();
+        self.people = voices
+            .iter()
+            .map(|voice| (voice.identity, known(voice.identity)))
+            .collect();
         // Whoever left took their speaking along: it is nobody's in the picture now.
         let kept: f64 = self.people.iter().map(|(_, probability)| probability).sum();
         self.nobody = (1.0 - kept).max(0.0);
@@ -143,13 +163,22 @@ impl Speaker {
     }
 
     fn normalize(&mut self) {
-        let sum = self.nobody + self.people.iter().map(|(_, probability)| probability).sum::<f64>();
+        let sum = self.nobody
+            + self
+                .people
+                .iter()
+                .map(|(_, probability)| probability)
+                .sum::<f64>();
         if !(sum > 0.0 && sum.is_finite()) {
             self.nobody = 1.0;
-            self.people.iter_mut().for_each(|(_, probability)| *probability = 0.0);
+            self.people
+                .iter_mut()
+                .for_each(|(_, probability)| *probability = 0.0);
             return;
         }
         self.nobody /= sum;
-        self.people.iter_mut().for_each(|(_, probability)| *probability /= sum);
+        self.people
+            .iter_mut()
+            .for_each(|(_, probability)| *probability /= sum);
     }
 }

@@ -132,9 +132,15 @@ fn weigh(
     scratch.log_likelihoods.resize(count, 0.0);
     fusion.fuse(&scratch.scores, &scratch.evidence, &mut scratch.log_likelihoods);
     if !sight.covers.is_empty() {
-        sight.body.regions(&belief.particles, Part::Head, &mut scratch.regions);
+        sight
+            .body
+            .regions(&belief.particles, Part::Head, &mut scratch.regions);
         for (likelihood, head) in scratch.log_likelihoods.iter_mut().zip(&scratch.regions) {
-            if sight.covers.iter().any(|cover| cover.intersection(head).area() > 0.5 * head.area()) {
+            if sight
+                .covers
+                .iter()
+                .any(|cover| cover.intersection(head).area() > 0.5 * head.area())
+            {
                 *likelihood = hidden;
             }
         }

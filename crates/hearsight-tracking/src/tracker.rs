@@ -3,11 +3,12 @@
 //! A step runs the system's stages for every belief and scout, then the life cycle over all of them, then decides who
 //! speaks. Saved state ([`ViewState`]) and scratch memory are apart.
 
-use crate::belief::{Appearance, Belief, Existence};
+use crate::belief::{Appearance, Belief, Existence, Portrait};
 use crate::body::{Body, Part};
 use crate::life_cycle::{
     Association, AssociationSettings, BirthSettings, ExclusionSettings, ExistenceSettings, Memory,
-    ReEntrySettings, Situation, bodies, body_part_rate, covers, is_clear_of_edges, is_nearer, log_ratio, may_begin, may_publish, same_place, surroundings, weaker,
+    ReEntrySettings, Situation, bodies, body_part_rate, covers, is_clear_of_edges, is_nearer, log_ratio,
+    may_begin, may_publish, same_place, surroundings, weaker,
 };
 use crate::percepts::{ArrayPercepts, CameraPercepts};
 use crate::speaker::{Speaker, SpeakerSettings, Voice};
@@ -31,7 +32,10 @@ pub struct AppearanceSettings {
 
 impl Default for AppearanceSettings {
     fn default() -> Self {
-        Self { memory_s: 2.0, inside: 0.6 }
+        Self {
+            memory_s: 2.0,
+            inside: 0.6,
+        }
     }
 }
 
@@ -123,7 +127,10 @@ impl ViewTracker {
 
     /// Everyone who is published now, by age.
     pub fn published(&self) -> impl Iterator<Item = &Belief> {
-        self.state.beliefs.iter().filter(|belief| belief.identity.is_some())
+        self.state
+            .beliefs
+            .iter()
+            .filter(|belief| belief.identity.is_some())
     }
 
     /// Numbers that were not finite and were set aside since the start.
@@ -169,13 +176,24 @@ impl ViewTracker {
             let Some(identity) = belief.identity else { continue };
             let mut state = [0.0; 4];
             self.composition.body.state_from_head(&belief.head, &mut state);
-            let delay_s = self.composition.body.sound_point(&state).and_then(|point| array.delay_s(point));
-            self.voices.push(Voice { identity, delay_s, hidden: belief.occluded });
+            let delay_s = self
+                .composition
+                .body
+                .sound_point(&state)
+                .and_then(|point| array.delay_s(point));
+            self.voices.push(Voice {
+                identity,
+                delay_s,
+                hidden: belief.occluded,
+            });
         }
-        self.state.speaker.listen(&self.voices, array, elapsed, &self.composition.speaker);
+        self.state
+            .speaker
+            .listen(&self.voices, array, elapsed, &self.composition.speaker);
         for belief in &mut self.state.beliefs {
-            belief.speaking =
-                belief.identity.map_or(0.0, |identity| self.state.speaker.probability_of(identity));
+            belief.speaking = belief
+                .identity
+                .map_or(0.0, |identity| self.state.speaker.probability_of(identity));
         }
     }
 
@@ -183,23 +201,32 @@ impl ViewTracker {
     pub fn publish(&mut self, camera: &CameraPercepts, now: Instant, next_identity: &mut u64) {
         let (width, height) = camera.size();
         let picture = Rectangle::new(0.0, 0.0, width as f32, height as f32);
+        let settings = &self.composition.re_entry;
         for belief in &mut self.state.beliefs {
-            if belief.identity.is_some() {
-                continue;
-            }
             let mut state = [0.0; 4];
             self.composition.body.state_from_head(&belief.head, &mut state);
             let torso = self.composition.body.region(&state, Part::Torso);
             let inside = torso.intersection(&picture).area() / torso.area().max(1.0);
-            if !may_publish(belief, now, inside, &self.composition.birth) {
+            let second_look = belief
+                .unknown_since
+                .is_some_and(|since| (now - since).seconds() >= settings.second_look_s);
+            let first_look =
+                belief.identity.is_none() && may_publish(belief, now, inside, &self.composition.birth);
+            if !(first_look || second_look) {
                 continue;
             }
-            let known =
-                self.state.memory.recognize(&belief.appearance, now, &self.composition.re_entry);
-            belief.identity = Some(known.unwrap_or_else(|| {
+            let known = self
+                .state
+                .memory
+                .recognize(&belief.portrait, now, second_look, settings);
+            belief.unknown_since = (first_look && known.is_none()).then_some(now);
+            if let Some((identity, older)) = known {
+                belief.identity = Some(identity);
+                belief.portrait.join(&older);
+            } else if first_look {
                 *next_identity += 1;
-                *next_identity
-            }));
+                belief.identity = Some(*next_identity);
+            }
         }
     }
 
@@ -211,7 +238,10 @@ impl ViewTracker {
             self.detections.push(detection.region);
             self.faces.push(detection.is_face);
         }
-        self.appearances.resize_with(self.detections.len().max(self.appearances.len()), Appearance::default);
+        self.appearances.resize_with(
+            self.detections.len().max(self.appearances.len()),
+            Appearance::default,
+        );
         for (detection, appearance) in self.detections.iter().zip(&mut self.appearances) {
             let mut state = [0.0; 4];
             self.composition.body.state_from_head(detection, &mut state);
@@ -285,6 +315,8 @@ impl ViewTracker {
             Situation::Outside
         } else if detection.is_some() {
             Situation::Detected
+        } else if !is_clear_of_edges(&belief.head, camera.size().0, &self.composition.birth) {
+            Situation::Leaving
         } else if belief.occluded {
             Situation::Occluded
         } else if camera.change_share(&belief.head).is_none_or(|share| share >= 0.5) {
@@ -292,7 +324,11 @@ impl ViewTracker {
         } else {
             Situation::Absent
         };
-        belief.existence.add(log_ratio(situation, elapsed.seconds(), &self.composition.existence));
+        belief.existence.add(log_ratio(
+            situation,
+            elapsed.seconds(),
+            &self.composition.existence,
+        ));
         if let Some(detection) = detection {
             belief.supported = now;
             belief.support = belief.support + elapsed;
@@ -304,12 +340,15 @@ impl ViewTracker {
             // Colours are learnt where the detection is, not where the particles are: a belief that has slipped onto
             // hair alone would otherwise teach itself that hair is all there is.
             let mut state = [0.0; 4];
-            self.composition.body.state_from_head(&self.detections[detection], &mut state);
+            self.composition
+                .body
+                .state_from_head(&self.detections[detection], &mut state);
             for part in Part::ALL {
                 let region = self.composition.body.region(&state, part);
                 let inside = camera.histogram(&region, &mut self.histogram);
                 if inside >= self.composition.appearance.inside {
                     belief.appearance.learn(part, &self.histogram, rate as f32);
+                    belief.portrait.add(part, &self.histogram);
                 }
             }
         }
@@ -332,13 +371,22 @@ impl ViewTracker {
             let belief = &mut self.state.beliefs[place];
             belief.body_part_s = counted(belief.body_part_s, engulfed, elapsed);
             belief.merged_s = counted(belief.merged_s, if merged { 1.0 } else { 0.0 }, elapsed);
-            let patience_s = if belief.identity.is_some() { settings.patience_s } else { 0.0 };
+            let patience_s = if belief.identity.is_some() {
+                settings.patience_s
+            } else {
+                0.0
+            };
             if belief.body_part_s > settings.body_part_s || belief.merged_s > patience_s {
                 condemned.push(belief.number);
             }
         }
         for number in condemned {
-            if let Some(place) = self.state.beliefs.iter().position(|belief| belief.number == number) {
+            if let Some(place) = self
+                .state
+                .beliefs
+                .iter()
+                .position(|belief| belief.number == number)
+            {
                 // It never was a person of its own: there is nobody to remember.
                 self.state.beliefs.remove(place);
             }
@@ -347,12 +395,15 @@ impl ViewTracker {
 
     fn bury(&mut self, now: Instant) {
         let least = self.composition.existence.least;
-        while let Some(place) =
-            self.state.beliefs.iter().position(|belief| belief.existence.probability() < least)
+        while let Some(place) = self
+            .state
+            .beliefs
+            .iter()
+            .position(|belief| belief.existence.probability() < least)
         {
             let belief = self.state.beliefs.remove(place);
             if let Some(identity) = belief.identity {
-                self.state.memory.remember(identity, belief.appearance, now);
+                self.state.memory.remember(identity, belief.portrait, now);
             }
         }
     }
@@ -362,7 +413,9 @@ impl ViewTracker {
         for number in 0..self.detections.len() {
             let detection = self.detections[number];
             let settings = &self.composition.birth;
-            let crowded = camera.change_share(&surroundings(&detection)).is_some_and(|share| share > settings.crowded);
+            let crowded = camera
+                .change_share(&surroundings(&detection))
+                .is_some_and(|share| share > settings.crowded);
             if self.association.is_taken(number)
                 || (crowded && !self.faces[number])
                 || !is_clear_of_edges(&detection, camera.size().0, settings)
@@ -374,7 +427,8 @@ impl ViewTracker {
             let belief_number = self.state.next_number;
             self.state.next_number += 1;
             let mut random = generator(self.composition.seed, &self.composition.role, belief_number);
-            let mut particles = Particles::new(self.composition.body.dimensions(), self.composition.particles)?;
+            let mut particles =
+                Particles::new(self.composition.body.dimensions(), self.composition.particles)?;
             let mut mean = [0.0; 4];
             self.composition.body.state_from_head(&detection, &mut mean);
             let deviation = [0.15, 0.15, 0.08, 0.08].map(|share| f64::from(share * detection.width));
@@ -391,6 +445,8 @@ impl ViewTracker {
                 particles,
                 generator: random,
                 appearance,
+                portrait: Portrait::default(),
+                unknown_since: None,
                 existence: Existence::even(),
                 occluded: false,
                 body_part_s: 0.0,
@@ -419,14 +475,23 @@ fn summarize(belief: &mut Belief, body: &dyn Body) {
     let head = body.head_from_state(&mean);
     if head.is_finite() {
         belief.head = head;
-        belief.deviation =
-            [0, 1].map(|dimension| belief.particles.covariance_of(dimension, dimension).max(0.0).sqrt() as f32);
+        belief.deviation = [0, 1].map(|dimension| {
+            belief
+                .particles
+                .covariance_of(dimension, dimension)
+                .max(0.0)
+                .sqrt() as f32
+        });
     }
 }
 
 /// Seconds for which something held: they grow at `rate` while it holds and shrink while it does not (`rate` 0).
 fn counted(before_s: f64, rate: f64, elapsed: Span) -> f64 {
-    let change_s = if rate > 0.0 { rate * elapsed.seconds() } else { -elapsed.seconds() };
+    let change_s = if rate > 0.0 {
+        rate * elapsed.seconds()
+    } else {
+        -elapsed.seconds()
+    };
     (before_s + change_s).max(0.0)
 }
 
@@ -440,5 +505,10 @@ fn outside(head: &Rectangle, (width, height): (usize, usize)) -> bool {
 /// Head and upper body, where movement is looked for.
 fn body_bounds(head: &Rectangle) -> Rectangle {
     let (x, _) = head.centre();
-    Rectangle::new(x - 1.25 * head.width, head.top, 2.5 * head.width, 3.5 * head.height)
+    Rectangle::new(
+        x - 1.25 * head.width,
+        head.top,
+        2.5 * head.width,
+        3.5 * head.height,
+    )
 }

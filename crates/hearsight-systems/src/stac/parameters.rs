@@ -86,10 +86,14 @@ pub struct Parameters {
     pub speaker: SpeakerSettings,
 }
 
-
 impl Default for Parameters {
     fn default() -> Self {
-        let likelihood = |sigma, floor| Likelihood { enabled: true, sigma, floor, exponent: 1.0 };
+        let likelihood = |sigma, floor| Likelihood {
+            enabled: true,
+            sigma,
+            floor,
+            exponent: 1.0,
+        };
         Self {
             particles: 200,
             resampling: Resampling::Systematic,

@@ -29,7 +29,13 @@ pub struct HeadBoxSettings {
 
 impl Default for HeadBoxSettings {
     fn default() -> Self {
-        Self { head_height_m: 0.24, mouth_share: 0.75, torso_width: 1.6, torso_height: 1.6, neck: 0.35 }
+        Self {
+            head_height_m: 0.24,
+            mouth_share: 0.75,
+            torso_width: 1.6,
+            torso_height: 1.6,
+            neck: 0.35,
+        }
     }
 }
 

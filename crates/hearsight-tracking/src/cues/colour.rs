@@ -38,7 +38,10 @@ impl Cue for ColourCue {
         let Some(reference) = hypotheses.appearance.part(self.part) else {
             return Evidence::Missing;
         };
-        if hypotheses.camera.colour_distances(hypotheses.regions, reference, scores) {
+        if hypotheses
+            .camera
+            .colour_distances(hypotheses.regions, reference, scores)
+        {
             Evidence::Scored
         } else {
             Evidence::Missing

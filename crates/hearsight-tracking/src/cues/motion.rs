@@ -34,7 +34,11 @@ pub struct MotionSettings {
 
 impl Default for MotionSettings {
     fn default() -> Self {
-        Self { position: 0.3, size: 0.2, floor: 0.002 }
+        Self {
+            position: 0.3,
+            size: 0.2,
+            floor: 0.002,
+        }
     }
 }
 

@@ -34,7 +34,9 @@ impl Cue for SoundCue {
             return Evidence::Missing;
         }
         for (score, point) in scores.iter_mut().zip(hypotheses.sounds) {
-            *score = point.and_then(|point| array.delay_s(point)).map_or(0.0, |delay_s| array.onset_height(delay_s));
+            *score = point
+                .and_then(|point| array.delay_s(point))
+                .map_or(0.0, |delay_s| array.onset_height(delay_s));
         }
         Evidence::Scored
     }

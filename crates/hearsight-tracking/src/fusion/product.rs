@@ -41,7 +41,9 @@ impl Fusion for Product {
     }
 
     fn log_likelihood(&self, cue: usize, score: f32) -> f64 {
-        self.terms.get(cue).map_or(0.0, |term| f64::from(term.log_likelihood(score)))
+        self.terms
+            .get(cue)
+            .map_or(0.0, |term| f64::from(term.log_likelihood(score)))
     }
 }
 
@@ -49,7 +51,11 @@ impl Term {
     /// A score that is not a number stays one, so that the particle is set aside and counted.
     fn log_likelihood(&self, score: f32) -> f32 {
         let raw = self.calibration.log_likelihood(score);
-        if raw < self.floor { self.exponent * self.floor } else { self.exponent * raw }
+        if raw < self.floor {
+            self.exponent * self.floor
+        } else {
+            self.exponent * raw
+        }
     }
 }
 
@@ -58,14 +64,22 @@ mod tests {
     use super::*;
 
     fn term(exponent: f32) -> Term {
-        Term { calibration: Calibration::Distance { sigma: 1.0 }, floor: -2.0, exponent }
+        Term {
+            calibration: Calibration::Distance { sigma: 1.0 },
+            floor: -2.0,
+            exponent,
+        }
     }
 
     #[test]
     fn a_missing_modality_has_likelihood_one() {
         let fusion = Product::new(vec![term(1.0), term(1.0)]);
         let mut weights = [0.0; 2];
-        fusion.fuse(&[vec![1.0, 0.5], vec![0.3, 9.0]], &[Evidence::Scored, Evidence::Missing], &mut weights);
+        fusion.fuse(
+            &[vec![1.0, 0.5], vec![0.3, 9.0]],
+            &[Evidence::Scored, Evidence::Missing],
+            &mut weights,
+        );
         assert_eq!(weights, [-1.0, -0.25]);
     }
 

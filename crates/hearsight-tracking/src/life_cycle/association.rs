@@ -17,9 +17,9 @@ pub struct AssociationSettings {
     pub position: f32,
     /// Standard deviation of the logarithm of the size. Default 0.5.
     pub size: f32,
-    /// Standard deviation of the colour distance. Default 0.35. Lowering it lets colour decide over place.
+    /// Standard deviation of the colour distance. Default 0.25. Lowering it lets colour decide over place.
     pub colour: f32,
-    /// Largest cost (half a sum of squares of the above) at which a detection still belongs to a person. Default 9.
+    /// Largest cost (half a sum of squares of the above) at which a detection still belongs to a person. Default 8.
     pub gate: f32,
     /// Weight of the torso's colours against the head's, 0 to 1. Default 0.7.
     pub torso: f32,
@@ -27,7 +27,13 @@ pub struct AssociationSettings {
 
 impl Default for AssociationSettings {
     fn default() -> Self {
-        Self { position: 0.6, size: 0.5, colour: 0.35, gate: 9.0, torso: 0.7 }
+        Self {
+            position: 0.6,
+            size: 0.5,
+            colour: 0.25,
+            gate: 8.0,
+            torso: 0.7,
+        }
     }
 }
 
@@ -53,12 +59,18 @@ impl Association {
         self.costs.clear();
         for belief in beliefs {
             for (detection, appearance) in detections.iter().zip(appearances) {
-                self.costs.push(f64::from(cost(belief, detection, appearance, settings)));
+                self.costs
+                    .push(f64::from(cost(belief, detection, appearance, settings)));
             }
         }
         let gate = f64::from(settings.gate);
-        self.assignment =
-            assign(&self.costs, beliefs.len(), detections.len(), gate, Unpaired::Costs(gate))?;
+        self.assignment = assign(
+            &self.costs,
+            beliefs.len(),
+            detections.len(),
+            gate,
+            Unpaired::Costs(gate),
+        )?;
         Ok(())
     }
 
@@ -69,7 +81,12 @@ impl Association {
 
     /// Whether a detection belongs to a belief.
     pub fn is_taken(&self, detection: usize) -> bool {
-        self.assignment.row_of_column.get(detection).copied().flatten().is_some()
+        self.assignment
+            .row_of_column
+            .get(detection)
+            .copied()
+            .flatten()
+            .is_some()
     }
 }
 

@@ -1,5 +1,6 @@
 //! Birth: a detection that belongs to nobody starts a scout; a scout that holds is published.
 
+use super::exclusion::LARGER;
 use crate::belief::Belief;
 use hearsight_core::{Instant, Rectangle};
 use hearsight_vision::silhouette::body_zone;
@@ -55,7 +56,12 @@ impl Default for BirthSettings {
 /// The area above and beside a head: empty, unless the head is a part of somebody's body.
 pub(crate) fn surroundings(head: &Rectangle) -> Rectangle {
     let (x, _) = head.centre();
-    Rectangle::new(x - 1.5 * head.width, head.top - 2.1 * head.height, 3.0 * head.width, 2.0 * head.height)
+    Rectangle::new(
+        x - 1.5 * head.width,
+        head.top - 2.1 * head.height,
+        3.0 * head.width,
+        2.0 * head.height,
+    )
 }
 
 /// Whether a head is far enough from the left and right edge of a picture of this width.
@@ -73,14 +79,19 @@ pub(crate) fn may_begin(detection: &Rectangle, beliefs: &[Belief], settings: &Bi
             let same_place = belief.head.intersection(detection).area() > 0.3 * smaller;
             let part_of_body = belief.identity.is_some()
                 && !belief.occluded
-                && detection.width < 1.3 * belief.head.width
+                && detection.width < LARGER * belief.head.width
                 && body_zone(&belief.head).contains(detection.centre());
             same_place || part_of_body
         })
 }
 
 /// Whether a scout has earned its publication. `torso_inside` is the share of its torso in the picture.
-pub(crate) fn may_publish(belief: &Belief, now: Instant, torso_inside: f32, settings: &BirthSettings) -> bool {
+pub(crate) fn may_publish(
+    belief: &Belief,
+    now: Instant,
+    torso_inside: f32,
+    settings: &BirthSettings,
+) -> bool {
     belief.support.seconds() >= settings.support_s
         && belief.existence.probability() >= settings.probability
         && belief.stirred_s >= f64::from(settings.stirred) * belief.support.seconds()

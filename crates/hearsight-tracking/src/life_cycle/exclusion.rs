@@ -21,34 +21,54 @@ pub struct ExclusionSettings {
     pub body_part_s: f64,
     /// The same where it may be somebody hidden behind the other, seconds. Default 2.5.
     pub hidden_s: f64,
+    /// By how much later than the other's the part's last detection may be, seconds. Default 1. A person who has not
+    /// been seen for longer may have been a wrong one.
+    pub fresh_s: f64,
 }
 
 impl Default for ExclusionSettings {
     fn default() -> Self {
-        Self { overlap: 0.5, patience_s: 1.5, body_part_s: 0.5, hidden_s: 2.5 }
+        Self {
+            overlap: 0.5,
+            patience_s: 1.5,
+            body_part_s: 0.5,
+            hidden_s: 2.5,
+            fresh_s: 1.0,
+        }
     }
 }
+
+/// From this ratio of widths on a head right under another is that of somebody in front.
+pub(crate) const LARGER: f32 = 1.6;
 
 /// Whether `front` covers the head of `behind`: it is nearer (larger) and overlaps it with head or shoulders.
 pub(crate) fn covers(front: &Belief, behind: &Belief) -> bool {
     is_nearer(front, behind)
-        && bodies(&front.head).iter().any(|part| {
-            part.intersection(&behind.head).area() > 0.4 * behind.head.area()
-        })
+        && bodies(&front.head)
+            .iter()
+            .any(|part| part.intersection(&behind.head).area() > 0.4 * behind.head.area())
 }
 
-/// Whether `front` is nearer to the camera than `behind`: its head is larger, or as large and lower.
+/// Whether `front` is nearer to the camera than `behind`: its head is clearly larger.
 pub(crate) fn is_nearer(front: &Belief, behind: &Belief) -> bool {
-    let ratio = front.head.height / behind.head.height.max(1.0);
-    ratio > 1.1 || (ratio > 0.9 && front.head.top > behind.head.top - 0.1 * front.head.height)
+    front.head.height > 1.15 * behind.head.height
 }
 
 /// What a person hides: the head, and the body from the shoulders down.
 pub(crate) fn bodies(head: &Rectangle) -> [Rectangle; 2] {
     let (x, _) = head.centre();
-    let face = Rectangle::new(x - 0.6 * head.width, head.top, 1.2 * head.width, 1.3 * head.height);
-    let trunk =
-        Rectangle::new(x - 1.2 * head.width, head.top + 1.25 * head.height, 2.4 * head.width, 5.0 * head.height);
+    let face = Rectangle::new(
+        x - 0.6 * head.width,
+        head.top,
+        1.2 * head.width,
+        1.3 * head.height,
+    );
+    let trunk = Rectangle::new(
+        x - 1.2 * head.width,
+        head.top + 1.25 * head.height,
+        2.4 * head.width,
+        5.0 * head.height,
+    );
     [face, trunk]
 }
 
@@ -62,10 +82,9 @@ pub(crate) fn body_part_rate(
     settings: &ExclusionSettings,
 ) -> f64 {
     let under = whole.identity.is_some()
-        && !whole.occluded
-        && whole.supported >= part.supported
+        && (part.supported - whole.supported).seconds() < settings.fresh_s
         && body_zone(&whole.head).contains(part.head.centre());
-    let larger = part.head.width > 1.3 * whole.head.width;
+    let larger = part.head.width > LARGER * whole.head.width;
     match (under, part_is_detected, larger) {
         // Somebody larger who is detected in front of another's body is a person of their own.
         (false, ..) | (true, true, true) => 0.0,
@@ -82,6 +101,16 @@ pub(crate) fn same_place(first: &Belief, second: &Belief, settings: &ExclusionSe
 
 /// Which of two beliefs at one place goes: a scout before a track, then the one less supported, then the younger.
 pub(crate) fn weaker<'a>(first: &'a Belief, second: &'a Belief) -> &'a Belief {
-    let strength = |belief: &Belief| (belief.identity.is_some(), belief.support, std::cmp::Reverse(belief.number));
-    if strength(first) < strength(second) { first } else { second }
+    let strength = |belief: &Belief| {
+        (
+            belief.identity.is_some(),
+            belief.support,
+            std::cmp::Reverse(belief.number),
+        )
+    };
+    if strength(first) < strength(second) {
+        first
+    } else {
+        second
+    }
 }

@@ -12,6 +12,8 @@ pub(crate) enum Situation {
     Present,
     /// Not detected, and somebody nearer covers them.
     Occluded,
+    /// Not detected at the edge of the picture.
+    Leaving,
     /// Not detected, and nothing changed where they are.
     Absent,
     /// Outside the picture.
@@ -24,11 +26,13 @@ pub(crate) enum Situation {
 pub struct ExistenceSettings {
     /// While a detection belongs to the person, positive. Default 20.
     pub detected: f64,
-    /// While not detected though something is there, not positive. Default -2. Raising it to 0 keeps people who sit
+    /// While not detected though something is there, not positive. Default -3. Raising it to 0 keeps people who sit
     /// still, and ghosts.
     pub present: f64,
     /// While hidden behind another, not positive. Default -1.2: given up after about five seconds.
     pub occluded: f64,
+    /// While not detected at the left or right edge of the picture, negative. Default -20.
+    pub leaving: f64,
     /// While nothing is there, negative. Default -15: given up after half a second.
     pub absent: f64,
     /// While outside the picture, negative. Default -40.
@@ -39,7 +43,15 @@ pub struct ExistenceSettings {
 
 impl Default for ExistenceSettings {
     fn default() -> Self {
-        Self { detected: 20.0, present: -2.0, occluded: -1.2, absent: -15.0, outside: -40.0, least: 0.1 }
+        Self {
+            detected: 20.0,
+            present: -3.0,
+            occluded: -1.2,
+            leaving: -20.0,
+            absent: -15.0,
+            outside: -40.0,
+            least: 0.1,
+        }
     }
 }
 
@@ -49,6 +61,7 @@ pub(crate) fn log_ratio(situation: Situation, seconds: f64, settings: &Existence
         Situation::Detected => settings.detected,
         Situation::Present => settings.present,
         Situation::Occluded => settings.occluded,
+        Situation::Leaving => settings.leaving,
         Situation::Absent => settings.absent,
         Situation::Outside => settings.outside,
     };

@@ -10,7 +10,7 @@ pub use association::{Association, AssociationSettings};
 pub use birth::BirthSettings;
 pub use exclusion::ExclusionSettings;
 pub use existence::ExistenceSettings;
-pub use re_entry::{Memory, ReEntrySettings};
+pub use re_entry::{Likeness, Memory, ReEntrySettings};
 
 pub(crate) use birth::{is_clear_of_edges, may_begin, may_publish, surroundings};
 pub(crate) use exclusion::{bodies, body_part_rate, covers, is_nearer, same_place, weaker};

@@ -2,10 +2,21 @@
 //!
 //! The paper's system numbers everyone anew; this part is on by default and can be turned off for its figures.
 
-use crate::belief::Appearance;
+use crate::belief::Portrait;
 use hearsight_core::Instant;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+/// How alike a newcomer must be to somebody remembered.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Likeness {
+    /// Largest colour distance to the person remembered, 0 to 1. Raising it knows more people again and mistakes more
+    /// strangers for them.
+    pub distance: f32,
+    /// By how much the next best person must be further away in colour, 0 to 1.
+    pub margin: f32,
+}
 
 /// When a newcomer is somebody known.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -13,20 +24,34 @@ use serde::{Deserialize, Serialize};
 pub struct ReEntrySettings {
     /// Whether people are known again. Default true; false is the paper's system.
     pub enabled: bool,
-    /// Largest colour distance to the person remembered, 0 to 1. Default 0.6. Raising it knows more people again
-    /// and mistakes more strangers for them.
-    pub distance: f32,
-    /// By how much the next best person must be further away in colour, 0 to 1. Default 0.04.
-    pub margin: f32,
+    /// What it takes at first sight, when little of the person has been seen. Default: distance 0.45, margin 0.1.
+    pub first: Likeness,
+    /// What it takes at the second look. Default: distance 0.65, margin 0.04.
+    pub second: Likeness,
     /// Weight of the torso's colours against the head's, 0 to 1. Default 0.8.
     pub torso: f32,
     /// For how long somebody who left is remembered, seconds. Default 600.
     pub remember_s: f64,
+    /// Somebody unknown is looked at once more after this time, when more of them has been seen, seconds. Default 0.8.
+    pub second_look_s: f64,
 }
 
 impl Default for ReEntrySettings {
     fn default() -> Self {
-        Self { enabled: true, distance: 0.6, margin: 0.04, torso: 0.8, remember_s: 600.0 }
+        Self {
+            enabled: true,
+            first: Likeness {
+                distance: 0.45,
+                margin: 0.1,
+            },
+            second: Likeness {
+                distance: 0.65,
+                margin: 0.04,
+            },
+            torso: 0.8,
+            remember_s: 600.0,
+            second_look_s: 0.8,
+        }
     }
 }
 
@@ -39,7 +64,7 @@ pub struct Memory {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Gone {
     identity: u64,
-    appearance: Appearance,
+    portrait: Portrait,
     left: Instant,
 }
 
@@ -48,28 +73,36 @@ impl Memory {
     const CAPACITY: usize = 64;
 
     /// Remembers somebody who left.
-    pub fn remember(&mut self, identity: u64, appearance: Appearance, left: Instant) {
+    pub fn remember(&mut self, identity: u64, portrait: Portrait, left: Instant) {
         if self.gone.len() == Self::CAPACITY {
             self.gone.remove(0);
         }
-        self.gone.push(Gone { identity, appearance, left });
+        self.gone.push(Gone {
+            identity,
+            portrait,
+            left,
+        });
     }
 
     /// Who of those who left this is, if anybody; they are no longer gone then.
     pub fn recognize(
         &mut self,
-        appearance: &Appearance,
+        portrait: &Portrait,
         now: Instant,
+        second_look: bool,
         settings: &ReEntrySettings,
-    ) -> Option<u64> {
-        self.gone.retain(|gone| (now - gone.left).seconds() <= settings.remember_s);
+    ) -> Option<(u64, Portrait)> {
+        self.gone
+            .retain(|gone| (now - gone.left).seconds() <= settings.remember_s);
         if !settings.enabled {
             return None;
         }
         let mut best: Option<(usize, f32)> = None;
         let mut next = f32::INFINITY;
         for (place, gone) in self.gone.iter().enumerate() {
-            let Some(distance) = gone.appearance.distance(appearance, settings.torso) else { continue };
+            let Some(distance) = gone.portrait.mean().distance(portrait.mean(), settings.torso) else {
+                continue;
+            };
             match best {
                 Some((_, nearest)) if distance >= nearest => next = next.min(distance),
                 _ => {
@@ -79,7 +112,15 @@ impl Memory {
             }
         }
         let (place, distance) = best?;
-        let clear = distance <= settings.distance && next - distance >= settings.margin;
-        clear.then(|| self.gone.remove(place).identity)
+        let likeness = if second_look {
+            settings.second
+        } else {
+            settings.first
+        };
+        let clear = distance <= likeness.distance && next - distance >= likeness.margin;
+        clear.then(|| {
+            let gone = self.gone.remove(place);
+            (gone.identity, gone.portrait)
+        })
     }
 }

@@ -23,10 +23,12 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ArraySettings {
-    /// Length of a frame, seconds, 0.01 to 1. Default 0.04 (one picture at 25 a second). Raising it makes peaks
-    /// surer and more of it reverberation.
+    /// Length of a frame, seconds, 0.01 to 1. Default 0.128: many times the greatest delay, short against walking.
+    /// Raising it makes peaks surer and more of it reverberation. The paper does not say.
     pub frame_s: f64,
-    /// How much each frequency counts. Default: noise-regularized with gamma 0.5 (stac, eq. 7 corrected).
+    /// Time from one frame to the next, seconds, at most `frame_s`. Default 0.02.
+    pub hop_s: f64,
+    /// How much each frequency counts. Default: noise-regularized with gamma 0.3 (stac, eq. 7 corrected).
     pub weighting: Weighting,
     /// Whether the correlation is taken in three bands whose peaks must agree. Default true.
     pub bands: bool,
@@ -45,8 +47,9 @@ pub struct ArraySettings {
 impl Default for ArraySettings {
     fn default() -> Self {
         Self {
-            frame_s: 0.04,
-            weighting: Weighting::NoiseRegularized { gamma: 0.5 },
+            frame_s: 0.128,
+            hop_s: 0.02,
+            weighting: Weighting::NoiseRegularized { gamma: 0.3 },
             bands: true,
             onset_filter: true,
             agreement: AgreementSettings::default(),
@@ -126,7 +129,12 @@ impl ArrayPercepts {
                 });
             }
         };
-        let frames = FrameSettings::half_overlapping(settings.frame_s, RATE_HZ, array.channels);
+        let samples = |seconds: f64| (seconds * f64::from(RATE_HZ)).round().max(1.0) as usize;
+        let frames = FrameSettings {
+            length: samples(settings.frame_s),
+            hop: samples(settings.hop_s),
+            ..FrameSettings::half_overlapping(settings.frame_s, RATE_HZ, array.channels)
+        };
         let greatest_s = first.distance_m(second) / speed_of_sound_m_s;
         let transform = transform_length(frames.length, greatest_s, RATE_HZ);
         let analyzer = SpectrumAnalyzer::new(frames.length, transform, Window::Hann)?;
@@ -141,7 +149,12 @@ impl ArrayPercepts {
         let resampler = if array.rate_hz == RATE_HZ {
             None
         } else {
-            Some(Resampler::new(array.channels, array.rate_hz, RATE_HZ, frames.longest_fill)?)
+            Some(Resampler::new(
+                array.channels,
+                array.rate_hz,
+                RATE_HZ,
+                frames.longest_fill,
+            )?)
         };
         Ok(Self {
             microphones: [first, second],
@@ -209,10 +222,18 @@ impl ArrayPercepts {
             }
             None => block,
         };
-        let Listener { framer, levels, spectra, onset, activity } = &mut self.listener;
+        let Listener {
+            framer,
+            levels,
+            spectra,
+            onset,
+            activity,
+        } = &mut self.listener;
         let engine = &mut self.engine;
         let hop_s = framer.settings().hop_s();
-        let pushed = framer.push(block, |frame| engine.take(&frame, levels, spectra, onset, activity, hop_s));
+        let pushed = framer.push(block, |frame| {
+            engine.take(&frame, levels, spectra, onset, activity, hop_s)
+        });
         if pushed.is_err() {
             self.ignored += 1;
         }
@@ -274,7 +295,9 @@ impl ArrayPercepts {
     /// How long sound takes from its arrival to its percept at the most: one frame and the resampler's delay.
     pub fn latency(&self) -> Span {
         let frame = Span::from_seconds(self.engine.settings.frame_s);
-        self.resampler.as_ref().map_or(frame, |resampler| frame + resampler.latency())
+        self.resampler
+            .as_ref()
+            .map_or(frame, |resampler| frame + resampler.latency())
     }
 }
 
@@ -294,7 +317,11 @@ impl Engine {
         activity: &mut ActivityDetector,
         hop_s: f64,
     ) {
-        if self.analyzer.transform_all(&frame.channels[..2], &mut self.spectra).is_err() {
+        if self
+            .analyzer
+            .transform_all(&frame.channels[..2], &mut self.spectra)
+            .is_err()
+        {
             return;
         }
         let mut ratios_db = [0.0; 2];
@@ -310,13 +337,22 @@ impl Engine {
         }
         let class = onset.classify(&ratios_db);
         self.signal_to_noise_db = ratios_db[0].min(ratios_db[1]);
-        self.active = activity.observe(0.5 * (ratios_db[0] + ratios_db[1]), hop_s).active;
-        let wanted = if self.settings.onset_filter { class.is_onset() } else { true };
+        self.active = activity
+            .observe(0.5 * (ratios_db[0] + ratios_db[1]), hop_s)
+            .active;
+        let wanted = if self.settings.onset_filter {
+            class.is_onset()
+        } else {
+            true
+        };
         let sounds = class != FrameClass::Null;
         if !(wanted || sounds) {
             return;
         }
-        let noise = PairNoise { first: spectra[0].power(), second: spectra[1].power() };
+        let noise = PairNoise {
+            first: spectra[0].power(),
+            second: spectra[1].power(),
+        };
         if self.correlate(noise).is_err() {
             return;
         }
@@ -332,10 +368,12 @@ impl Engine {
     fn correlate(&mut self, noise: PairNoise<'_>) -> Result<(), AudioError> {
         let [first, second] = [&self.spectra.channels[0], &self.spectra.channels[1]];
         if self.settings.bands {
-            self.bank.correlate(&mut self.correlator, first, second, Some(noise))?;
+            self.bank
+                .correlate(&mut self.correlator, first, second, Some(noise))?;
             self.agreement.combine(&self.bank, &mut self.curve)
         } else {
-            self.correlator.correlate(first, second, Some(noise), None, &mut self.curve)
+            self.correlator
+                .correlate(first, second, Some(noise), None, &mut self.curve)
         }
     }
 

@@ -28,7 +28,11 @@ impl Default for CameraSettings {
     fn default() -> Self {
         Self {
             background: BackgroundOptions {
-                clean: CleanOptions { median: 5, dilation_width: 1, dilation_height: 1 },
+                clean: CleanOptions {
+                    median: 5,
+                    dilation_width: 1,
+                    dilation_height: 1,
+                },
                 brightest_highlight: 1.4,
                 ..BackgroundOptions::default()
             },
@@ -88,7 +92,11 @@ impl CameraPercepts {
     /// [`VisionError`] where a setting is out of its range.
     pub fn new(settings: CameraSettings) -> Result<Self, VisionError> {
         let stir = ChangeOptions {
-            clean: CleanOptions { median: 3, dilation_width: 5, dilation_height: 5 },
+            clean: CleanOptions {
+                median: 3,
+                dilation_width: 5,
+                dilation_height: 5,
+            },
             ..ChangeOptions::default()
         };
         Ok(Self {
@@ -110,7 +118,10 @@ impl CameraPercepts {
 
     /// What is remembered.
     pub fn state(&self) -> CameraState {
-        CameraState { background: self.background.state().clone(), ..self.state.clone() }
+        CameraState {
+            background: self.background.state().clone(),
+            ..self.state.clone()
+        }
     }
 
     /// Goes on from what was remembered.
@@ -141,7 +152,8 @@ impl CameraPercepts {
         self.compare_with_previous(picture, size);
         self.changed_share.load(&self.change);
         self.stirred_share.load(&self.stirred);
-        self.changed_share.find(&self.change, &self.settings.heads, &mut self.heads);
+        self.changed_share
+            .find(&self.change, &self.settings.heads, &mut self.heads);
         self.detections.clear();
         self.detections.extend(self.heads.iter().map(|head| Detection {
             region: head.region,
@@ -157,8 +169,8 @@ impl CameraPercepts {
 
     fn compare_with_previous(&mut self, picture: RgbView<'_>, size: (usize, usize)) {
         let previous = RgbView::new(size.0, size.1, &self.state.previous);
-        let compared = previous
-            .is_some_and(|previous| self.stir.detect(picture, previous, &mut self.stirred).is_ok());
+        let compared =
+            previous.is_some_and(|previous| self.stir.detect(picture, previous, &mut self.stirred).is_ok());
         if !compared {
             self.stirred.resize(size.0, size.1);
             self.stirred.data.fill(0);
@@ -192,7 +204,8 @@ impl CameraPercepts {
 
     /// The colours inside the ellipse of a region; returns the share of it inside the picture, 0 to 1.
     pub fn histogram(&self, region: &Rectangle, histogram: &mut Histogram) -> f32 {
-        self.bins.histogram(region, &mut self.scratch.borrow_mut().histogram, histogram)
+        self.bins
+            .histogram(region, &mut self.scratch.borrow_mut().histogram, histogram)
     }
 
     /// Writes the colour distance of each region to a reference into `scores`; false, changing nothing, before the
@@ -202,7 +215,8 @@ impl CameraPercepts {
             return false;
         }
         let scratch = &mut *self.scratch.borrow_mut();
-        self.bins.score_ellipses(regions, reference, &mut scratch.histogram, &mut scratch.scores);
+        self.bins
+            .score_ellipses(regions, reference, &mut scratch.histogram, &mut scratch.scores);
         for (score, similarity) in scores.iter_mut().zip(&scratch.scores) {
             *score = similarity.distance;
         }

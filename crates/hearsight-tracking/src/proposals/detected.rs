@@ -26,7 +26,11 @@ pub struct DetectedSettings {
 
 impl Default for DetectedSettings {
     fn default() -> Self {
-        Self { share: 0.1, position: 0.15, size: 0.08 }
+        Self {
+            share: 0.1,
+            position: 0.15,
+            size: 0.08,
+        }
     }
 }
 
@@ -39,7 +43,12 @@ pub struct DetectedProposal {
 impl DetectedProposal {
     /// A proposal with these settings; the share is held within 0 and 1.
     pub fn new(settings: DetectedSettings) -> Self {
-        Self { settings: DetectedSettings { share: settings.share.clamp(0.0, 1.0), ..settings } }
+        Self {
+            settings: DetectedSettings {
+                share: settings.share.clamp(0.0, 1.0),
+                ..settings
+            },
+        }
     }
 }
 
@@ -55,7 +64,9 @@ impl Proposal for DetectedProposal {
         detections: &[(Rectangle, f32)],
         generator: &mut Generator,
     ) -> Result<(), FilterError> {
-        let Some((head, _)) = detections.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else { return Ok(()) };
+        let Some((head, _)) = detections.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else {
+            return Ok(());
+        };
         let count = (self.settings.share * particles.count() as f32).round() as usize;
         let (x, y) = head.centre();
         let spread = self.settings.position * f64::from(head.width);
@@ -82,14 +93,28 @@ mod tests {
 
     #[test]
     fn the_share_starts_at_the_detection_and_the_rest_stays() {
-        let proposal = DetectedProposal::new(DetectedSettings { share: 0.25, ..DetectedSettings::default() });
+        let proposal = DetectedProposal::new(DetectedSettings {
+            share: 0.25,
+            ..DetectedSettings::default()
+        });
         let mut random = generator(1, "test", 0);
         let mut particles = Particles::new(4, 200).unwrap();
         let head = Rectangle::new(100.0, 50.0, 20.0, 26.0);
-        proposal.propose(&mut particles, Span::ZERO, &[], &mut random).unwrap();
+        proposal
+            .propose(&mut particles, Span::ZERO, &[], &mut random)
+            .unwrap();
         assert!(particles.column(0).iter().all(|x| *x == 0.0));
-        proposal.propose(&mut particles, Span::ZERO, &[(head, 1.0)], &mut random).unwrap();
-        assert_eq!(particles.column(0).iter().filter(|x| (**x - 110.0).abs() < 20.0).count(), 50);
+        proposal
+            .propose(&mut particles, Span::ZERO, &[(head, 1.0)], &mut random)
+            .unwrap();
+        assert_eq!(
+            particles
+                .column(0)
+                .iter()
+                .filter(|x| (**x - 110.0).abs() < 20.0)
+                .count(),
+            50
+        );
         assert_eq!(particles.column(0).iter().filter(|x| **x == 0.0).count(), 150);
     }
 }

@@ -20,7 +20,10 @@ pub struct RandomWalkSettings {
 
 impl Default for RandomWalkSettings {
     fn default() -> Self {
-        Self { position: 1.5, size: 0.15 }
+        Self {
+            position: 1.5,
+            size: 0.15,
+        }
     }
 }
 
@@ -37,10 +40,17 @@ impl RandomWalkProposal {
     /// # Errors
     /// [`FilterError::OutOfRange`] for a negative or non-finite deviation.
     pub fn new(settings: &RandomWalkSettings) -> Result<Self, FilterError> {
-        let noise = Noise::Relative { sigma_per_sqrt_sec: settings.size };
-        let checked = Noise::Additive { sigma_per_sqrt_sec: settings.position.into() };
+        let noise = Noise::Relative {
+            sigma_per_sqrt_sec: settings.size,
+        };
+        let checked = Noise::Additive {
+            sigma_per_sqrt_sec: settings.position.into(),
+        };
         RandomWalk::new().with(0, checked)?;
-        Ok(Self { position: settings.position, sizes: RandomWalk::new().with(2, noise)?.with(3, noise)? })
+        Ok(Self {
+            position: settings.position,
+            sizes: RandomWalk::new().with(2, noise)?.with(3, noise)?,
+        })
     }
 }
 
@@ -80,11 +90,18 @@ mod tests {
 
     #[test]
     fn deviation_is_in_head_widths_and_grows_with_the_root_of_time() {
-        let walk = RandomWalkProposal::new(&RandomWalkSettings { position: 2.0, size: 0.0 }).unwrap();
+        let walk = RandomWalkProposal::new(&RandomWalkSettings {
+            position: 2.0,
+            size: 0.0,
+        })
+        .unwrap();
         let mut particles = Particles::new(4, 20_000).unwrap();
         let mut random = generator(1, "test", 0);
-        particles.draw_gaussian(&[100.0, 50.0, 10.0, 13.0], &[0.0; 4], &mut random).unwrap();
-        walk.propose(&mut particles, Span::from_seconds(0.25), &[], &mut random).unwrap();
+        particles
+            .draw_gaussian(&[100.0, 50.0, 10.0, 13.0], &[0.0; 4], &mut random)
+            .unwrap();
+        walk.propose(&mut particles, Span::from_seconds(0.25), &[], &mut random)
+            .unwrap();
         let deviation = particles.covariance_of(0, 0).sqrt();
         assert!((deviation / 10.0 - 1.0).abs() < 0.03, "{deviation}");
         assert!((particles.mean_of(0) - 100.0).abs() < 0.3);
