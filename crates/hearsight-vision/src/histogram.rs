@@ -1,7 +1,7 @@
 //! Colour histograms inside ellipses, weighted towards the middle, and their Bhattacharyya distance.
 //!
 //! Made for hundreds of hypotheses on one picture: [`BinPicture`] finds the bin of every pixel once, and
-//! [`score_ellipses`] reads each ellipse from it without allocating. An ellipse is given by the [`Rectangle`] it
+//! [`BinPicture::score_ellipses`] reads each ellipse from it without allocating. An ellipse is given by the [`Rectangle`] it
 //! touches from inside.
 
 use crate::VisionError;

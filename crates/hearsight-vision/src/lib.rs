@@ -1,15 +1,17 @@
 //! What Hearsight sees with: integral images, histograms, change detection, backgrounds, regions and cascades.
 //!
-//! Mathematics on borrowed pixels only: no camera, no file, no person. Buffers live in the objects that fill them and
-//! are reused from picture to picture.
+//! Mathematics on borrowed pixels only: no camera, no person, and no file but that of a cascade. Buffers live in the
+//! objects that fill them and are reused from picture to picture.
 //!
 //! * [`integral`] — sums, sums of squares and tilted sums over rectangles.
 //! * [`histogram`] — colour histograms inside ellipses and their Bhattacharyya distance.
 //! * [`change`] — colour change between two pictures; [`mask`] — the median and dilation that clean it.
 //! * [`background`] — the picture without people, learnt as it comes.
 //! * [`regions`] — connected components of a mask.
+//! * [`cascade`] — Haar cascades: searches and single windows.
 
 pub mod background;
+pub mod cascade;
 pub mod change;
 pub mod error;
 pub mod histogram;

@@ -101,10 +101,10 @@ impl BackgroundOptions {
             ),
             ("shadow_colour", self.shadow_colour, 0.0, 255.0, "0 to 255"),
             ("ghost_secs", self.ghost_secs, 0.0, 60.0, "0 to 60"),
-            ("ghost_contrast", self.ghost_contrast, 1.0, f32::MAX, "1 or more"),
+            ("ghost_contrast", self.ghost_contrast, 1.0, f64::MAX, "1 or more"),
         ];
         for (name, value, low, high, allowed) in checks {
-            VisionError::within(name, f64::from(value), f64::from(low), f64::from(high), allowed)?;
+            VisionError::within(name, f64::from(value), low, high, allowed)?;
         }
         Ok(())
     }

@@ -49,8 +49,8 @@ impl BackgroundState {
 
     /// Lengths that contradict each other would end in a panic later.
     pub(super) fn validate(&self) -> Result<(), VisionError> {
-        let pixels = self.width.checked_mul(self.height).unwrap_or(usize::MAX);
-        let bytes = pixels.checked_mul(3).unwrap_or(usize::MAX);
+        let pixels = self.width.saturating_mul(self.height);
+        let bytes = pixels.saturating_mul(3);
         let right = self.estimates.len() == bytes
             && self.settled.len() == bytes
             && self.still_ms.len() == pixels
