@@ -2,6 +2,7 @@
 
 use crate::reader::{Decoded, StreamReader, span_of};
 use crate::samples;
+use crate::timeline::NEVER_BELIEVED;
 use ffmpeg_next::frame;
 use hearsight_core::{FaultKind, Span};
 use std::time;
@@ -132,8 +133,9 @@ impl AudioStream {
             .suspect
             .take()
             .is_some_and(|suspect| (ahead - suspect).abs() <= rate);
-        let set_back = ahead < -rate && self.reader.live;
-        if (ahead > rate * LONGEST_BELIEVED_S || set_back) && !confirmed {
+        let endless = ahead > NEVER_BELIEVED.samples(self.rate_hz);
+        let set_anew = endless || (ahead < -rate && self.reader.live);
+        if (ahead > rate * LONGEST_BELIEVED_S || set_anew) && !confirmed {
             self.suspect = Some(ahead);
             troubles.push((
                 FaultKind::Corrupt,
@@ -141,7 +143,7 @@ impl AudioStream {
                 "a time stamp far off was not believed".to_owned(),
             ));
             self.give(0, selection, planes, troubles);
-        } else if set_back {
+        } else if set_anew {
             self.correction -= ahead;
             troubles.push((FaultKind::Gap, now, "the source's clock was set anew".to_owned()));
             self.give(0, selection, planes, troubles);

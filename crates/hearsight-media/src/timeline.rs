@@ -8,6 +8,9 @@ const GAP_NUMERATOR: i64 = 3;
 /// hours, in which all frames that follow would look old.
 const LONGEST_BELIEVED: Span = Span::from_nanoseconds(10_000_000_000);
 
+/// A jump beyond this is damage even where it is confirmed: nobody wants ticks for years.
+pub(crate) const NEVER_BELIEVED: Span = Span::from_nanoseconds(86_400_000_000_000);
+
 /// What to do with a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Place {
@@ -62,6 +65,10 @@ impl Timeline {
     pub(crate) fn place(&mut self, own: Span) -> Place {
         let time = own + self.correction;
         let Some((last, number)) = self.last else {
+            if time.magnitude() > NEVER_BELIEVED {
+                self.correction = -own;
+                return self.take(Span::ZERO, 1, 0);
+            }
             // The stream's beginning is known, so frames lost before the first keep their numbers.
             let missing = if time > LONGEST_BELIEVED {
                 0
@@ -78,8 +85,8 @@ impl Timeline {
             self.suspect = Some(own);
             return Place::Incredible;
         }
-        if step <= Span::ZERO {
-            if !self.live || step.magnitude() < Span::from_seconds(1.0) {
+        if step <= Span::ZERO || step > NEVER_BELIEVED {
+            if step <= Span::ZERO && (!self.live || step.magnitude() < Span::from_seconds(1.0)) {
                 return Place::Repeated;
             }
             if !confirmed {
@@ -159,6 +166,23 @@ mod tests {
         assert_eq!(timeline.place(milliseconds(40)), next(2, 0, 40));
         assert_eq!(timeline.place(milliseconds(60_000)), Place::Incredible);
         assert_eq!(timeline.place(milliseconds(60_040)), next(1502, 1499, 60_040));
+    }
+
+    #[test]
+    fn years_are_never_believed() {
+        let year = 31_536_000_000;
+        let mut timeline = Timeline::new(milliseconds(40), false);
+        assert_eq!(timeline.place(milliseconds(-year)), next(1, 0, 0));
+        assert_eq!(timeline.place(milliseconds(40 - year)), next(2, 0, 40));
+        assert_eq!(timeline.place(milliseconds(year)), Place::Incredible);
+        assert_eq!(
+            timeline.place(milliseconds(year + 40)),
+            Place::Reset {
+                number: 3,
+                time: milliseconds(80)
+            }
+        );
+        assert_eq!(timeline.place(milliseconds(year + 80)), next(4, 0, 120));
     }
 
     #[test]

@@ -5,7 +5,7 @@
 mod common;
 
 use common::{count, generate, hear_all, read_all};
-use hearsight_core::source::{AudioSource, VideoSource};
+use hearsight_core::source::{AudioSource, Delivery, VideoSource};
 use hearsight_core::{FaultKind, Span};
 use hearsight_media::{
     AudioFile, AudioOptions, ChannelSelection, ImageOptions, ImageSequence, MediaError, MomentError,
@@ -308,4 +308,69 @@ fn sound_and_pictures_of_many_containers() {
             "{name}: {power}"
         );
     }
+}
+
+#[test]
+fn damaged_containers_neither_panic_nor_hang() {
+    let place = tempfile::tempdir().unwrap();
+    let kinds: [(&str, &[&str]); 5] = [
+        ("a.avi", &["-c:v", "mpeg4", "-c:a", "pcm_s16le"]),
+        ("b.mp4", &["-c:v", "libx264", "-c:a", "aac"]),
+        ("c.mkv", &["-c:v", "mpeg4", "-c:a", "flac"]),
+        ("d.ts", &["-c:v", "mpeg2video", "-c:a", "mp2"]),
+        ("e.wav", &["-vn", "-c:a", "pcm_s24le"]),
+    ];
+    let mut state = 3_u64;
+    let mut random = move |limit: usize| {
+        // A linear congruential generator (Knuth, MMIX): the same damage in every run.
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % limit
+    };
+    let begun = std::time::Instant::now();
+    let mut opened = 0;
+    for (name, codecs) in kinds {
+        let Some(path) = generate(place.path(), name, 1, codecs) else {
+            return;
+        };
+        let whole = std::fs::read(&path).unwrap();
+        for round in 0..24 {
+            let mut bytes = whole.clone();
+            // Headers are hit as often as everything else.
+            for _ in 0..=random(40) {
+                let limit = if round % 2 == 0 {
+                    bytes.len().min(3000)
+                } else {
+                    bytes.len()
+                };
+                bytes[random(limit)] = random(256) as u8;
+            }
+            if round % 3 == 0 {
+                bytes.truncate(random(whole.len()).max(1));
+            }
+            std::fs::write(&path, &bytes).unwrap();
+            if let Ok(mut camera) = VideoFile::open(&path, VideoOptions::default()) {
+                opened += 1;
+                read_all(&mut camera);
+            }
+            for rate_hz in [None, Some(8000)] {
+                if let Ok(mut array) = AudioFile::open(
+                    &path,
+                    AudioOptions {
+                        rate_hz,
+                        ..AudioOptions::default()
+                    },
+                ) {
+                    opened += 1;
+                    let (mut block, mut faults) = Default::default();
+                    while array.read(&mut block, &mut faults) == Delivery::Data {
+                        assert!(block.channels.iter().flatten().all(|sample| sample.is_finite()));
+                    }
+                }
+            }
+        }
+    }
+    println!("{opened} damaged streams opened in {:?}", begun.elapsed());
+    assert!(opened > 100 && begun.elapsed().as_secs() < 40);
 }
