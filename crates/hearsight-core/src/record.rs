@@ -99,8 +99,8 @@ pub struct SoundRecord {
     pub column_px: Option<f64>,
     /// Signal to noise ratio, decibels.
     pub signal_to_noise_db: f64,
-    /// Height of the peak of the combined correlation, 0 to 1.
-    pub peak: f64,
+    /// Whether the delay was measured at the onset of a sound, before its reverberation.
+    pub from_onset: bool,
     /// The track that it belongs to, or null.
     pub track: Option<u64>,
 }

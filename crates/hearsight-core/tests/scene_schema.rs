@@ -138,7 +138,7 @@ fn scenes() -> [Scene; 2] {
         delay_s: -1.25e-4,
         column_px: full.then_some(101.5),
         signal_to_noise_db: 12.0,
-        peak: 0.4,
+        from_onset: true,
         track: full.then_some(1),
     };
     let kinds = [

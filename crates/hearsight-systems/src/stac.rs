@@ -127,6 +127,7 @@ fn build_view(parameters: &Parameters, room: &Room, camera: usize, seed: u64) ->
         birth: parameters.birth,
         existence: parameters.existence,
         exclusion: parameters.exclusion,
+        encounter: parameters.encounter,
         re_entry: parameters.re_entry,
         appearance: parameters.appearance,
         speaker: parameters.speaker,
@@ -258,13 +259,13 @@ impl View {
             });
         }
         if let (Some(heard), Some((_, array))) = (&self.heard, &self.array) {
-            if let Some(delay_s) = heard.heard().last().copied() {
+            if let Some(delay_s) = heard.onset_delay_s().or_else(|| heard.voice_delay_s()) {
                 scene.sounds.push(SoundRecord {
                     array: array.clone(),
                     delay_s,
                     column_px: self.map.as_ref().and_then(|map| map.column(delay_s)),
                     signal_to_noise_db: heard.signal_to_noise_db().into(),
-                    peak: heard.peak().into(),
+                    from_onset: heard.has_onset(),
                     track: speaker,
                 });
             }

@@ -1,6 +1,7 @@
 //! Beliefs: what is remembered of one person. All of it is saved state; scratch memory lives in the tracker.
 
 use crate::body::Part;
+use crate::life_cycle::Encounter;
 use hearsight_core::{Instant, Rectangle, Span};
 use hearsight_filter::{Generator, Particles};
 use hearsight_vision::histogram::Histogram;
@@ -29,6 +30,8 @@ pub struct Belief {
     pub body_part_s: f64,
     /// Seconds for which it has stood at the place of another, less those for which it has not.
     pub merged_s: f64,
+    /// A meeting with another belief that has not been settled.
+    pub encounter: Option<Encounter>,
     /// When its identity was given, if it was a new one that may yet turn out to be that of somebody known.
     pub unknown_since: Option<Instant>,
     /// When the belief began.
@@ -96,6 +99,11 @@ impl Portrait {
         let seen = &mut self.seen[part.index()];
         *seen = seen.saturating_add(1);
         self.mean.learn(part, histogram, 1.0 / *seen as f32);
+    }
+
+    /// How often a part was seen.
+    pub fn sights(&self, part: Part) -> u32 {
+        self.seen[part.index()]
     }
 
     /// The mean of all sights.

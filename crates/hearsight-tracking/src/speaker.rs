@@ -1,8 +1,9 @@
 //! Who speaks: one decision over every track and "nobody".
 //!
 //! A hidden Markov model whose states are the published tracks and "nobody"; its forward probabilities are the saved
-//! state. While sound is heard, a track explains it by how near the heard delay is to the delay of its mouth;
-//! "nobody" (a person outside the picture, a noise) explains every delay alike.
+//! state. While there is sound, a track explains it by the height of the correlation at the delay of its mouth, with the
+//! likelihood of the sound cue (stac, eq. 8, corrected); "nobody" (a person outside the picture, a noise) explains every
+//! sound as well as a correlation of middling height would.
 
 use crate::percepts::ArrayPercepts;
 use hearsight_core::Span;
@@ -13,12 +14,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SpeakerSettings {
-    /// Standard deviation of the heard delay around that of the mouth, seconds. Default 1.0e-4: 20 degrees' worth of
-    /// a hundredth of a radian at a metre between microphones. Raising it forgives bad calibration and confuses
-    /// neighbours.
-    pub deviation_s: f64,
-    /// Share of sound whose delay says nothing (echoes, noises), 0 to 1. Default 0.3. Raising it decides later.
-    pub clutter: f64,
+    /// Half the width of the window around the delay of a mouth in which the correlation is looked at, seconds. Default
+    /// 1.5e-4: a head's width at two metres between microphones a metre apart. Raising it forgives bad calibration and
+    /// confuses neighbours.
+    pub tolerance_s: f64,
+    /// Width of the likelihood of a height (sigma_A of eq. 8). Default 0.3.
+    pub sigma: f64,
+    /// Height of correlation at which a track explains a sound just as well as "nobody", 0 to 1. Default 0.45. Raising it
+    /// decides for people more rarely.
+    pub even_height: f64,
+    /// Time over which what is heard counts once, seconds. Default 0.05. Raising it decides more slowly and surely.
+    pub independent_s: f64,
     /// Mean time for which one speaker goes on, seconds. Default 1.0. Raising it switches later.
     pub turn_s: f64,
     /// How fast silence makes "nobody" likelier: change of the logarithm of odds a second. Default 8.
@@ -33,8 +39,10 @@ pub struct SpeakerSettings {
 impl Default for SpeakerSettings {
     fn default() -> Self {
         Self {
-            deviation_s: 1.0e-4,
-            clutter: 0.3,
+            tolerance_s: 1.5e-4,
+            sigma: 0.3,
+            even_height: 0.45,
+            independent_s: 0.05,
             turn_s: 1.0,
             silence: 8.0,
             nobody: 0.3,
@@ -104,13 +112,11 @@ impl Speaker {
         elapsed: Span,
         settings: &SpeakerSettings,
     ) {
-        let heard = array.heard();
         self.predict(voices, elapsed, settings);
-        if heard.is_empty() {
+        if array.has_sound() {
+            self.explain(voices, array, elapsed, settings);
+        } else {
             self.be_silent(elapsed, settings);
-        }
-        for delay_s in heard {
-            self.explain(voices, *delay_s, array.greatest_delay_s(), settings);
         }
         self.heard = true;
     }
@@ -148,16 +154,21 @@ impl Speaker {
         self.normalize();
     }
 
-    fn explain(&mut self, voices: &[Voice], delay_s: f64, greatest_s: f64, settings: &SpeakerSettings) {
-        let anywhere = 0.5 / greatest_s.max(1e-6);
-        self.nobody *= anywhere;
+    fn explain(
+        &mut self,
+        voices: &[Voice],
+        array: &ArrayPercepts,
+        elapsed: Span,
+        settings: &SpeakerSettings,
+    ) {
+        let log_likelihood = |height: f64| -0.5 * ((1.0 - height) / settings.sigma.max(1e-3)).powi(2);
+        let share = (elapsed.seconds().max(0.0) / settings.independent_s.max(1e-3)).min(1.0);
+        let even = log_likelihood(settings.even_height);
         for ((_, probability), voice) in self.people.iter_mut().zip(voices) {
-            let deviation = settings.deviation_s * if voice.hidden { 2.0 } else { 1.0 };
-            let near = voice.delay_s.map_or(anywhere, |expected| {
-                let distance = (delay_s - expected) / deviation;
-                (-0.5 * distance * distance).exp() / (deviation * (2.0 * std::f64::consts::PI).sqrt())
-            });
-            *probability *= settings.clutter * anywhere + (1.0 - settings.clutter) * near;
+            let Some(delay_s) = voice.delay_s else { continue };
+            let tolerance_s = settings.tolerance_s * if voice.hidden { 2.0 } else { 1.0 };
+            let height = f64::from(array.voice_height(delay_s, tolerance_s));
+            *probability *= (share * (log_likelihood(height) - even)).exp();
         }
         self.normalize();
     }

@@ -122,6 +122,7 @@ fn weigh(
                 sounds: &scratch.sounds,
                 appearance: &belief.appearance,
                 detections: sight.detections,
+                speaking: belief.speaking as f32,
                 camera: sight.camera,
                 array: sight.array,
             },

@@ -6,9 +6,9 @@
 use crate::belief::{Appearance, Belief, Existence, Portrait};
 use crate::body::{Body, Part};
 use crate::life_cycle::{
-    Association, AssociationSettings, BirthSettings, ExclusionSettings, ExistenceSettings, Memory,
-    ReEntrySettings, Situation, bodies, body_part_rate, covers, is_clear_of_edges, is_nearer, log_ratio,
-    may_begin, may_publish, same_place, surroundings, weaker,
+    Association, AssociationSettings, BirthSettings, EncounterSettings, ExclusionSettings, ExistenceSettings,
+    Memory, ReEntrySettings, Situation, bodies, body_part_rate, covers, is_clear_of_edges, is_nearer,
+    log_ratio, may_begin, may_publish, meet, same_place, settle, surroundings, weaker,
 };
 use crate::percepts::{ArrayPercepts, CameraPercepts};
 use crate::speaker::{Speaker, SpeakerSettings, Voice};
@@ -59,6 +59,8 @@ pub struct Composition {
     pub existence: ExistenceSettings,
     /// Who is one with another.
     pub exclusion: ExclusionSettings,
+    /// Who is who after a meeting.
+    pub encounter: EncounterSettings,
     /// Who comes back.
     pub re_entry: ReEntrySettings,
     /// How colours are learnt.
@@ -164,6 +166,12 @@ impl ViewTracker {
         for place in 0..self.state.beliefs.len() {
             self.judge(place, camera, now, elapsed);
         }
+        self.note_encounters();
+        settle(
+            &mut self.state.beliefs,
+            self.composition.re_entry.torso,
+            &self.composition.encounter,
+        );
         self.exclude(elapsed);
         self.bury(now);
         self.give_birth(camera, now)
@@ -207,9 +215,11 @@ impl ViewTracker {
             self.composition.body.state_from_head(&belief.head, &mut state);
             let torso = self.composition.body.region(&state, Part::Torso);
             let inside = torso.intersection(&picture).area() / torso.area().max(1.0);
-            let second_look = belief
-                .unknown_since
-                .is_some_and(|since| (now - since).seconds() >= settings.second_look_s);
+            let seen_well = belief.encounter.is_none() && belief.portrait.sights(Part::Torso) >= LEAST_SIGHTS;
+            let second_look = seen_well
+                && belief
+                    .unknown_since
+                    .is_some_and(|since| (now - since).seconds() >= settings.second_look_s);
             let first_look =
                 belief.identity.is_none() && may_publish(belief, now, inside, &self.composition.birth);
             if !(first_look || second_look) {
@@ -307,9 +317,23 @@ impl ViewTracker {
         }
     }
 
+    /// Whether somebody else's head or body is in the way of the colours at a detection.
+    fn is_mixed(&self, place: usize, detection: &Rectangle) -> bool {
+        let own = bodies(detection);
+        self.state.beliefs.iter().enumerate().any(|(other, belief)| {
+            other != place
+                && belief.identity.is_some()
+                && bodies(&belief.head).iter().any(|theirs| {
+                    own.iter()
+                        .any(|own| own.intersection(theirs).area() > 0.1 * own.area())
+                })
+        })
+    }
+
     /// Adds the evidence of this picture to one belief, and learns its colours.
     fn judge(&mut self, place: usize, camera: &CameraPercepts, now: Instant, elapsed: Span) {
         let detection = self.association.detection_of(place);
+        let mixed = detection.is_some_and(|number| self.is_mixed(place, &self.detections[number]));
         let belief = &mut self.state.beliefs[place];
         let situation = if outside(&belief.head, camera.size()) {
             Situation::Outside
@@ -337,6 +361,12 @@ impl ViewTracker {
             let share = if self.faces[detection] { 1.0 } else { stirred };
             belief.stirred_s += f64::from(share) * elapsed.seconds();
             let rate = 1.0 - (-elapsed.seconds() / self.composition.appearance.memory_s.max(1e-3)).exp();
+            if mixed {
+                return;
+            }
+            if let Some(encounter) = &mut belief.encounter {
+                encounter.apart_s += elapsed.seconds();
+            }
             // Colours are learnt where the detection is, not where the particles are: a belief that has slipped onto
             // hair alone would otherwise teach itself that hair is all there is.
             let mut state = [0.0; 4];
@@ -348,7 +378,23 @@ impl ViewTracker {
                 let inside = camera.histogram(&region, &mut self.histogram);
                 if inside >= self.composition.appearance.inside {
                     belief.appearance.learn(part, &self.histogram, rate as f32);
-                    belief.portrait.add(part, &self.histogram);
+                    match &mut belief.encounter {
+                        Some(encounter) => encounter.since.add(part, &self.histogram),
+                        None => belief.portrait.add(part, &self.histogram),
+                    }
+                }
+            }
+        }
+    }
+
+    /// Notes which published people stand at one place, so that they are compared when they are apart again.
+    fn note_encounters(&mut self) {
+        for first in 0..self.state.beliefs.len() {
+            for second in first + 1..self.state.beliefs.len() {
+                let [a, b] = [&self.state.beliefs[first], &self.state.beliefs[second]];
+                let published = a.identity.is_some() && b.identity.is_some();
+                if published && same_place(a, b, &self.composition.exclusion) {
+                    meet(&mut self.state.beliefs, first, second);
                 }
             }
         }
@@ -402,7 +448,10 @@ impl ViewTracker {
             .position(|belief| belief.existence.probability() < least)
         {
             let belief = self.state.beliefs.remove(place);
-            if let Some(identity) = belief.identity {
+            let known_s = belief.support.seconds();
+            if let Some(identity) = belief.identity
+                && known_s >= self.composition.re_entry.least_s
+            {
                 self.state.memory.remember(identity, belief.portrait, now);
             }
         }
@@ -446,6 +495,7 @@ impl ViewTracker {
                 generator: random,
                 appearance,
                 portrait: Portrait::default(),
+                encounter: None,
                 unknown_since: None,
                 existence: Existence::even(),
                 occluded: false,
@@ -494,6 +544,9 @@ fn counted(before_s: f64, rate: f64, elapsed: Span) -> f64 {
     };
     (before_s + change_s).max(0.0)
 }
+
+/// Pictures in which clothing must have been seen before somebody unknown is looked at once more.
+const LEAST_SIGHTS: u32 = 5;
 
 /// Whether the mouth has left the picture.
 fn outside(head: &Rectangle, (width, height): (usize, usize)) -> bool {

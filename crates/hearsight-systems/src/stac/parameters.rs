@@ -4,7 +4,8 @@ use hearsight_filter::Resampling;
 use hearsight_tracking::body::HeadBoxSettings;
 use hearsight_tracking::cues::MotionSettings;
 use hearsight_tracking::life_cycle::{
-    AssociationSettings, BirthSettings, ExclusionSettings, ExistenceSettings, ReEntrySettings,
+    AssociationSettings, BirthSettings, EncounterSettings, ExclusionSettings, ExistenceSettings,
+    ReEntrySettings,
 };
 use hearsight_tracking::percepts::{ArraySettings, CameraSettings};
 use hearsight_tracking::proposals::{DetectedSettings, RandomWalkSettings};
@@ -78,6 +79,8 @@ pub struct Parameters {
     pub existence: ExistenceSettings,
     /// Who is one with another.
     pub exclusion: ExclusionSettings,
+    /// Who is who after a meeting. Not in the paper; a margin of 9 is its system.
+    pub encounter: EncounterSettings,
     /// Who comes back. Not in the paper; `re_entry.enabled = false` is its system.
     pub re_entry: ReEntrySettings,
     /// How colours are learnt.
@@ -113,6 +116,7 @@ impl Default for Parameters {
             birth: BirthSettings::default(),
             existence: ExistenceSettings::default(),
             exclusion: ExclusionSettings::default(),
+            encounter: EncounterSettings::default(),
             re_entry: ReEntrySettings::default(),
             appearance: AppearanceSettings::default(),
             speaker: SpeakerSettings::default(),

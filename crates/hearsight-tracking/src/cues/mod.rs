@@ -64,6 +64,8 @@ pub struct Hypotheses<'a> {
     pub appearance: &'a Appearance,
     /// Heads detected now, each with the weight that this person gives it, 0 to 1.
     pub detections: &'a [(Rectangle, f32)],
+    /// Probability that the person speaks, 0 to 1.
+    pub speaking: f32,
     /// What the camera sees now.
     pub camera: &'a CameraPercepts,
     /// What the array hears now.

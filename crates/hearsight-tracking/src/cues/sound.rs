@@ -1,5 +1,8 @@
 //! The sound cue: height of the correlation curve at the delay of a hypothesis' mouth (stac, section 2.2).
 //!
+//! A sound belongs to whoever made it: the score is drawn towards 1, which says nothing, by the probability that the
+//! person does not speak. Otherwise one voice would pull at everybody.
+//!
 //! The raw score is R_n(tau(x)) = max(R, 0) / max R, which fusion turns into the likelihood of eq. 8 (corrected, E4).
 
 use super::{Cue, CueInfo, Evidence, Hypotheses, Subject};
@@ -34,9 +37,10 @@ impl Cue for SoundCue {
             return Evidence::Missing;
         }
         for (score, point) in scores.iter_mut().zip(hypotheses.sounds) {
-            *score = point
+            let height = point
                 .and_then(|point| array.delay_s(point))
                 .map_or(0.0, |delay_s| array.onset_height(delay_s));
+            *score = 1.0 - hypotheses.speaking * (1.0 - height);
         }
         Evidence::Scored
     }

@@ -21,6 +21,9 @@ pub struct AssociationSettings {
     pub colour: f32,
     /// Largest cost (half a sum of squares of the above) at which a detection still belongs to a person. Default 8.
     pub gate: f32,
+    /// Cost of a detection for somebody who was hidden in the picture before. Default 2. Raising it keeps people hidden
+    /// longer behind others.
+    pub hidden: f32,
     /// Weight of the torso's colours against the head's, 0 to 1. Default 0.7.
     pub torso: f32,
 }
@@ -32,6 +35,7 @@ impl Default for AssociationSettings {
             size: 0.5,
             colour: 0.25,
             gate: 8.0,
+            hidden: 2.0,
             torso: 0.7,
         }
     }
@@ -90,7 +94,7 @@ impl Association {
     }
 }
 
-/// Half the sum of squared differences, each in its own standard deviation.
+/// Minus the log-likelihood of the detection, up to a constant that is the same for all beliefs.
 fn cost(
     belief: &Belief,
     detection: &Rectangle,
@@ -99,12 +103,15 @@ fn cost(
 ) -> f32 {
     let ((x, y), (u, v)) = (belief.head.centre(), detection.centre());
     let own = (settings.position * belief.head.width.max(detection.width)).powi(2);
-    let place = (x - u).powi(2) / (own + belief.deviation[0].powi(2))
-        + (y - v).powi(2) / (own + belief.deviation[1].powi(2));
+    let variance = belief.deviation.map(|deviation| own + deviation * deviation);
+    let place = (x - u).powi(2) / variance[0] + (y - v).powi(2) / variance[1];
+    // A belief that is spread out explains every place, and each of them less well.
+    let spread = (variance[0] * variance[1] / (own * own)).ln();
     let size = ((detection.width / belief.head.width.max(1.0)).ln() / settings.size).powi(2);
     let colour = belief
         .appearance
         .distance(appearance, settings.torso)
         .map_or(0.0, |distance| (distance / settings.colour).powi(2));
-    0.5 * (place + size + colour)
+    let hidden = if belief.occluded { settings.hidden } else { 0.0 };
+    0.5 * (place + spread + size + colour) + hidden
 }

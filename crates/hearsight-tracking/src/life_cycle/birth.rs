@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct BirthSettings {
-    /// For how long detections must have supported a scout, seconds. Default 0.24. Raising it gives fewer false
+    /// For how long detections must have supported a scout, seconds. Default 0.2. Raising it gives fewer false
     /// tracks and later true ones.
     pub support_s: f64,
     /// Probability of existence that a scout must reach, 0 to 1. Default 0.9.
@@ -31,7 +31,7 @@ pub struct BirthSettings {
     /// a scout, 0 to 1. Default 0.15. A shoulder, an elbow or a knee has a head above it.
     pub crowded: f32,
     /// Distance of a head from the picture's left and right edge at which it can start a scout, head widths. Default
-    /// 0.6. Nearer to the edge an arm or a half of a body looks like a head.
+    /// 0.3. Nearer to the edge an arm or a half of a body looks like a head.
     pub margin: f32,
     /// Most scouts at a time. Default 6.
     pub most_scouts: usize,
@@ -40,14 +40,14 @@ pub struct BirthSettings {
 impl Default for BirthSettings {
     fn default() -> Self {
         Self {
-            support_s: 0.24,
+            support_s: 0.2,
             probability: 0.9,
             stirred: 0.06,
             torso_inside: 0.5,
             patience_s: 0.8,
             score: 0.45,
             crowded: 0.15,
-            margin: 0.6,
+            margin: 0.3,
             most_scouts: 6,
         }
     }

@@ -32,6 +32,8 @@ pub struct ReEntrySettings {
     pub torso: f32,
     /// For how long somebody who left is remembered, seconds. Default 600.
     pub remember_s: f64,
+    /// Only somebody whom detections have supported for this long is remembered, seconds. Default 1.
+    pub least_s: f64,
     /// Somebody unknown is looked at once more after this time, when more of them has been seen, seconds. Default 0.8.
     pub second_look_s: f64,
 }
@@ -50,6 +52,7 @@ impl Default for ReEntrySettings {
             },
             torso: 0.8,
             remember_s: 600.0,
+            least_s: 1.0,
             second_look_s: 0.8,
         }
     }

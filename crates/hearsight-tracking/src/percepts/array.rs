@@ -30,6 +30,9 @@ pub struct ArraySettings {
     pub hop_s: f64,
     /// How much each frequency counts. Default: noise-regularized with gamma 0.3 (stac, eq. 7 corrected).
     pub weighting: Weighting,
+    /// Time constant over which the correlation of all frames with sound is averaged for the decision who speaks,
+    /// seconds. Default 0.1. Raising it tells speakers apart more surely and later.
+    pub voice_s: f64,
     /// Whether the correlation is taken in three bands whose peaks must agree. Default true.
     pub bands: bool,
     /// Whether frames that reverberation has caught up with are left out. Default true; false takes every frame.
@@ -49,6 +52,7 @@ impl Default for ArraySettings {
         Self {
             frame_s: 0.128,
             hop_s: 0.02,
+            voice_s: 0.1,
             weighting: Weighting::NoiseRegularized { gamma: 0.3 },
             bands: true,
             onset_filter: true,
@@ -71,10 +75,25 @@ pub struct ArrayState {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Listener {
     framer: Framer,
+    remembered: Remembered,
+}
+
+/// What one frame leaves for the next.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Remembered {
     levels: [NoiseFloor; 2],
     spectra: [NoiseFloor; 2],
     onset: OnsetFilter,
     activity: ActivityDetector,
+    voice: Voice,
+}
+
+/// The correlation of everything that sounded lately.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct Voice {
+    average: Vec<f32>,
+    step_s: f64,
+    silent_s: f64,
 }
 
 /// Percepts of one array.
@@ -100,10 +119,10 @@ struct Engine {
     curve: CorrelationCurve,
     onset_sum: CorrelationCurve,
     onset_frames: u32,
-    heard: Vec<f64>,
+    voice: CorrelationCurve,
+    sounded: bool,
     active: bool,
     signal_to_noise_db: f32,
-    peak: f32,
 }
 
 /// The rate at which sound is looked at, samples a second (stac, section 3: f_max = 6 kHz; E5).
@@ -162,10 +181,13 @@ impl ArrayPercepts {
             resampler,
             listener: Listener {
                 framer: Framer::new(frames)?,
-                levels: [level.clone(), level],
-                spectra: [spectrum.clone(), spectrum],
-                onset: OnsetFilter::new(settings.onset)?,
-                activity: ActivityDetector::new(settings.activity)?,
+                remembered: Remembered {
+                    levels: [level.clone(), level],
+                    spectra: [spectrum.clone(), spectrum],
+                    onset: OnsetFilter::new(settings.onset)?,
+                    activity: ActivityDetector::new(settings.activity)?,
+                    voice: Voice::default(),
+                },
             },
             engine: Engine {
                 bank: BandBank::new(&THREE_BANDS, BandShape::default(), RATE_HZ, transform)?,
@@ -178,10 +200,10 @@ impl ArrayPercepts {
                 curve: CorrelationCurve::default(),
                 onset_sum: CorrelationCurve::default(),
                 onset_frames: 0,
-                heard: Vec::new(),
+                voice: CorrelationCurve::default(),
+                sounded: false,
                 active: false,
                 signal_to_noise_db: 0.0,
-                peak: 0.0,
             },
             resampled: AudioBlock::default(),
             ignored: 0,
@@ -222,22 +244,16 @@ impl ArrayPercepts {
             }
             None => block,
         };
-        let Listener {
-            framer,
-            levels,
-            spectra,
-            onset,
-            activity,
-        } = &mut self.listener;
+        let Listener { framer, remembered } = &mut self.listener;
         let engine = &mut self.engine;
         let hop_s = framer.settings().hop_s();
-        let pushed = framer.push(block, |frame| {
-            engine.take(&frame, levels, spectra, onset, activity, hop_s)
-        });
-        if pushed.is_err() {
+        if framer
+            .push(block, |frame| engine.take(&frame, remembered, hop_s))
+            .is_err()
+        {
             self.ignored += 1;
         }
-        self.engine.end();
+        engine.end(&remembered.voice);
     }
 
     /// Whether there is a frame in this moment whose correlation the sound cue may use.
@@ -255,9 +271,39 @@ impl ArrayPercepts {
         &self.engine.onset_sum
     }
 
-    /// Delays of the highest peak of every frame of this moment that holds sound, seconds, t_i - t_j.
-    pub fn heard(&self) -> &[f64] {
-        &self.engine.heard
+    /// Delay of the highest peak of the normalized correlation of this moment, seconds, t_i - t_j.
+    pub fn onset_delay_s(&self) -> Option<f64> {
+        if self.has_onset() {
+            self.engine.onset_sum.peak().map(|peak| peak.delay_s)
+        } else {
+            None
+        }
+    }
+
+    /// Whether a frame of this moment holds sound, so that [`ArrayPercepts::voice_height`] says something new.
+    pub fn has_sound(&self) -> bool {
+        self.engine.sounded
+    }
+
+    /// Greatest height of the correlation averaged over everything that sounded lately, within `tolerance_s` of a
+    /// delay, as a share of its highest peak, 0 to 1.
+    pub fn voice_height(&self, delay_s: f64, tolerance_s: f64) -> f32 {
+        let curve = &self.engine.voice;
+        let step_s = curve.step_s.max(1e-6);
+        let reach = (tolerance_s / step_s).ceil().min(curve.values.len() as f64) as i64;
+        (-reach..=reach)
+            .map(|offset| curve.at(delay_s + (offset as f64 / reach.max(1) as f64) * tolerance_s))
+            .fold(0.0, f32::max)
+            .clamp(0.0, 1.0)
+    }
+
+    /// Delay of the highest peak of that correlation, seconds; `None` where nothing sounded lately.
+    pub fn voice_delay_s(&self) -> Option<f64> {
+        if self.engine.sounded {
+            self.engine.voice.peak().map(|peak| peak.delay_s)
+        } else {
+            None
+        }
     }
 
     /// Whether there is a voice now, as far as energy tells.
@@ -268,11 +314,6 @@ impl ArrayPercepts {
     /// Smaller signal to noise ratio of both microphones, decibels, of the newest frame.
     pub fn signal_to_noise_db(&self) -> f32 {
         self.engine.signal_to_noise_db
-    }
-
-    /// Height of the highest peak before normalization, 0 to 1, of the newest frame with sound.
-    pub fn peak(&self) -> f32 {
-        self.engine.peak
     }
 
     /// Greatest delay that the spacing of the microphones allows, seconds.
@@ -304,19 +345,11 @@ impl ArrayPercepts {
 impl Engine {
     fn begin(&mut self) {
         self.onset_frames = 0;
-        self.heard.clear();
+        self.sounded = false;
     }
 
     /// Looks at one frame.
-    fn take(
-        &mut self,
-        frame: &Frame<'_>,
-        levels: &mut [NoiseFloor; 2],
-        spectra: &mut [NoiseFloor; 2],
-        onset: &mut OnsetFilter,
-        activity: &mut ActivityDetector,
-        hop_s: f64,
-    ) {
+    fn take(&mut self, frame: &Frame<'_>, remembered: &mut Remembered, hop_s: f64) {
         if self
             .analyzer
             .transform_all(&frame.channels[..2], &mut self.spectra)
@@ -327,54 +360,57 @@ impl Engine {
         let mut ratios_db = [0.0; 2];
         for (channel, ratio_db) in ratios_db.iter_mut().enumerate() {
             let power = mean_square(&frame.channels[channel]);
-            *ratio_db = levels[channel].snr_db(power);
+            *ratio_db = remembered.levels[channel].snr_db(power);
             if frame.filled == 0 {
                 power_into(&self.spectra.channels[channel], &mut self.power);
                 // Both cannot fail: the number of bins is that of the analyzer they were made for.
-                let _ = levels[channel].observe(&[power]);
-                let _ = spectra[channel].observe(&self.power);
+                let _ = remembered.levels[channel].observe(&[power]);
+                let _ = remembered.spectra[channel].observe(&self.power);
             }
         }
-        let class = onset.classify(&ratios_db);
+        let class = remembered.onset.classify(&ratios_db);
         self.signal_to_noise_db = ratios_db[0].min(ratios_db[1]);
-        self.active = activity
+        self.active = remembered
+            .activity
             .observe(0.5 * (ratios_db[0] + ratios_db[1]), hop_s)
             .active;
+        let noise = PairNoise {
+            first: remembered.spectra[0].power(),
+            second: remembered.spectra[1].power(),
+        };
+        if class == FrameClass::Null {
+            remembered.voice.rest(hop_s);
+        } else if self.correlate_whole(noise).is_ok() {
+            remembered
+                .voice
+                .add(&self.curve, hop_s / self.settings.voice_s.max(hop_s));
+            self.sounded = true;
+        }
         let wanted = if self.settings.onset_filter {
             class.is_onset()
         } else {
             true
         };
-        let sounds = class != FrameClass::Null;
-        if !(wanted || sounds) {
-            return;
-        }
-        let noise = PairNoise {
-            first: spectra[0].power(),
-            second: spectra[1].power(),
-        };
-        if self.correlate(noise).is_err() {
-            return;
-        }
-        if sounds && let Some(peak) = self.curve.peak() {
-            self.heard.push(peak.delay_s);
-            self.peak = peak.value;
-        }
-        if wanted {
+        if wanted && self.correlate(noise).is_ok() {
             self.add_onset();
         }
     }
 
-    fn correlate(&mut self, noise: PairNoise<'_>) -> Result<(), AudioError> {
+    fn correlate_whole(&mut self, noise: PairNoise<'_>) -> Result<(), AudioError> {
         let [first, second] = [&self.spectra.channels[0], &self.spectra.channels[1]];
-        if self.settings.bands {
-            self.bank
-                .correlate(&mut self.correlator, first, second, Some(noise))?;
-            self.agreement.combine(&self.bank, &mut self.curve)
-        } else {
-            self.correlator
-                .correlate(first, second, Some(noise), None, &mut self.curve)
+        self.correlator
+            .correlate(first, second, Some(noise), None, &mut self.curve)
+    }
+
+    /// The correlation that the sound cue sees: in bands, or of the whole spectrum.
+    fn correlate(&mut self, noise: PairNoise<'_>) -> Result<(), AudioError> {
+        if !self.settings.bands {
+            return self.correlate_whole(noise);
         }
+        let [first, second] = [&self.spectra.channels[0], &self.spectra.channels[1]];
+        self.bank
+            .correlate(&mut self.correlator, first, second, Some(noise))?;
+        self.agreement.combine(&self.bank, &mut self.curve)
     }
 
     fn add_onset(&mut self) {
@@ -390,9 +426,36 @@ impl Engine {
         self.onset_frames += 1;
     }
 
-    fn end(&mut self) {
+    fn end(&mut self, voice: &Voice) {
         if self.onset_frames > 0 {
             self.onset_sum.normalize_to_peak();
+        }
+        if self.sounded {
+            self.voice.step_s = voice.step_s;
+            self.voice.values.clear();
+            self.voice.values.extend_from_slice(&voice.average);
+            self.voice.normalize_to_peak();
+        }
+    }
+}
+
+impl Voice {
+    /// Silence after which what sounded before says nothing about what sounds next, seconds.
+    const FORGOTTEN_S: f64 = 0.4;
+
+    fn rest(&mut self, hop_s: f64) {
+        self.silent_s += hop_s;
+        if self.silent_s >= Self::FORGOTTEN_S {
+            self.average.fill(0.0);
+        }
+    }
+
+    fn add(&mut self, curve: &CorrelationCurve, share: f64) {
+        self.silent_s = 0.0;
+        self.step_s = curve.step_s;
+        self.average.resize(curve.values.len(), 0.0);
+        for (average, value) in self.average.iter_mut().zip(&curve.values) {
+            *average += share as f32 * (value - *average);
         }
     }
 }

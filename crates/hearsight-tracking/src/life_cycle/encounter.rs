@@ -1,0 +1,123 @@
+//! Encounters: after two people were at one place in the picture, who is who is asked again.
+//!
+//! While heads cover each other a filter may follow the wrong one. Colours learnt before the meeting are kept; once both
+//! are apart again, the new colours are compared with the old ones, and identities change places where that fits clearly
+//! better.
+
+use crate::belief::{Belief, Portrait};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// When identities are exchanged after a meeting.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct EncounterSettings {
+    /// For how long both must have been seen apart before they are compared, seconds. Default 0.4.
+    pub apart_s: f64,
+    /// By how much the sum of both colour distances must fall for identities to be exchanged. Default 0.15. Raising it
+    /// trusts the filters more.
+    pub margin: f32,
+}
+
+impl Default for EncounterSettings {
+    fn default() -> Self {
+        Self {
+            apart_s: 0.4,
+            margin: 0.15,
+        }
+    }
+}
+
+/// A meeting that has not been settled: saved with the belief.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Encounter {
+    /// Number of the belief met last.
+    pub with: u64,
+    /// For how long the person has been seen apart since, seconds.
+    pub apart_s: f64,
+    /// Colours seen since.
+    pub since: Portrait,
+}
+
+/// Begins a meeting of two beliefs, or begins it anew. Scouts meet nobody.
+pub(crate) fn meet(beliefs: &mut [Belief], first: usize, second: usize) {
+    for (own, other) in [(first, second), (second, first)] {
+        let with = beliefs[other].number;
+        beliefs[own].encounter = Some(Encounter {
+            with,
+            ..Encounter::default()
+        });
+    }
+}
+
+/// Settles every meeting of which both sides have been seen apart for long enough, or of which the other is gone.
+pub(crate) fn settle(beliefs: &mut [Belief], torso: f32, settings: &EncounterSettings) {
+    for place in 0..beliefs.len() {
+        let Some(encounter) = beliefs[place].encounter.clone() else {
+            continue;
+        };
+        if encounter.apart_s < settings.apart_s {
+            continue;
+        }
+        let other = beliefs.iter().position(|belief| belief.number == encounter.with);
+        if let Some(other) = other {
+            match &beliefs[other].encounter {
+                Some(theirs) if theirs.with == beliefs[place].number => {
+                    if theirs.apart_s < settings.apart_s {
+                        continue;
+                    }
+                    let theirs = theirs.since.clone();
+                    if fits_crossed(
+                        &beliefs[place],
+                        &encounter.since,
+                        &beliefs[other],
+                        &theirs,
+                        torso,
+                        settings,
+                    ) {
+                        exchange(beliefs, place, other);
+                    }
+                }
+                // The other has met somebody else since, or has settled already.
+                _ => {}
+            }
+        }
+        // Both sides were compared at once, so both are settled at once.
+        for settled in [Some(place), other].into_iter().flatten() {
+            let belief = &mut beliefs[settled];
+            if let Some(encounter) = belief
+                .encounter
+                .take_if(|encounter| encounter.apart_s >= settings.apart_s)
+            {
+                belief.portrait.join(&encounter.since);
+            }
+        }
+    }
+}
+
+fn fits_crossed(
+    first: &Belief,
+    first_since: &Portrait,
+    second: &Belief,
+    second_since: &Portrait,
+    torso: f32,
+    settings: &EncounterSettings,
+) -> bool {
+    let distance = |before: &Belief, since: &Portrait| before.portrait.mean().distance(since.mean(), torso);
+    let straight = distance(first, first_since).zip(distance(second, second_since));
+    let crossed = distance(first, second_since).zip(distance(second, first_since));
+    straight
+        .zip(crossed)
+        .is_some_and(|(straight, crossed)| crossed.0 + crossed.1 + settings.margin < straight.0 + straight.1)
+}
+
+/// Exchanges what makes two beliefs persons: identity and portrait, and what they have since been seen like.
+fn exchange(beliefs: &mut [Belief], first: usize, second: usize) {
+    let Ok([a, b]) = beliefs.get_disjoint_mut([first, second]) else {
+        return;
+    };
+    std::mem::swap(&mut a.identity, &mut b.identity);
+    std::mem::swap(&mut a.portrait, &mut b.portrait);
+    std::mem::swap(&mut a.unknown_since, &mut b.unknown_since);
+    std::mem::swap(&mut a.speaking, &mut b.speaking);
+}
