@@ -25,7 +25,9 @@ pub(crate) fn make(world: &World, directory: &Path) -> miette::Result<PathBuf> {
     write_video(world, &directory.join("video.mp4"))?;
     write_sound(world, &directory.join("sound.wav"))?;
     let path = directory.join("room.toml");
-    std::fs::write(&path, room_file()).into_diagnostic().wrap_err_with(|| path.display().to_string())?;
+    std::fs::write(&path, room_file())
+        .into_diagnostic()
+        .wrap_err_with(|| path.display().to_string())?;
     Ok(path)
 }
 
@@ -60,11 +62,16 @@ fn write_sound(world: &World, path: &Path) -> miette::Result<()> {
         bits_per_sample: 16,
         sample_format: hound::SampleFormat::Int,
     };
-    let mut writer = hound::WavWriter::create(path, spec).into_diagnostic().wrap_err_with(failed)?;
+    let mut writer = hound::WavWriter::create(path, spec)
+        .into_diagnostic()
+        .wrap_err_with(failed)?;
     for pair in voices::render(world) {
         for sample in pair {
             let sample = (sample * f32::from(i16::MAX)).clamp(-32_767.0, 32_767.0) as i16;
-            writer.write_sample(sample).into_diagnostic().wrap_err_with(failed)?;
+            writer
+                .write_sample(sample)
+                .into_diagnostic()
+                .wrap_err_with(failed)?;
         }
     }
     writer.finalize().into_diagnostic().wrap_err_with(failed)
@@ -73,15 +80,26 @@ fn write_sound(world: &World, path: &Path) -> miette::Result<()> {
 fn write_video(world: &World, path: &Path) -> miette::Result<()> {
     let failed = || path.display().to_string();
     let interval = Span::from_seconds(1.0 / FRAMES_PER_SECOND);
-    let options = OverlayOptions { interval, quality: QUALITY, ..OverlayOptions::default() };
+    let options = OverlayOptions {
+        interval,
+        quality: QUALITY,
+        ..OverlayOptions::default()
+    };
     let mut writer = OverlayWriter::create(path, world::WIDTH, world::HEIGHT, &options).into_diagnostic()?;
     let mut painter = painter::Painter::new(5);
     let mut rgb = Vec::new();
     for number in 0..(world.seconds * FRAMES_PER_SECOND) as i64 {
         let time = Instant::ZERO + interval * number;
         painter.paint(&world.people(time.seconds()), &mut rgb);
-        let picture = RgbView { width: world::WIDTH, height: world::HEIGHT, data: &rgb };
-        writer.write(time, picture).into_diagnostic().wrap_err_with(failed)?;
+        let picture = RgbView {
+            width: world::WIDTH,
+            height: world::HEIGHT,
+            data: &rgb,
+        };
+        writer
+            .write(time, picture)
+            .into_diagnostic()
+            .wrap_err_with(failed)?;
     }
     writer.finish().into_diagnostic().wrap_err_with(failed)
 }

@@ -10,7 +10,9 @@ pub(crate) struct Formats(Vec<(&'static str, bool)>);
 impl Formats {
     /// The overrides, `("output.overlay", "true")`.
     pub(crate) fn overrides(&self) -> impl Iterator<Item = (String, String)> + '_ {
-        self.0.iter().map(|(name, on)| (format!("output.{name}"), on.to_string()))
+        self.0
+            .iter()
+            .map(|(name, on)| (format!("output.{name}"), on.to_string()))
     }
 }
 
@@ -20,17 +22,30 @@ impl Args for Formats {
             let (on, off) = (sink.name, format!("no-{}", sink.name));
             let switch = |name: String, other: String, help: String| {
                 let kind = ArgAction::SetTrue;
-                Arg::new(name.clone()).long(name).action(kind).overrides_with(other).help(help).help_heading("Outputs")
+                Arg::new(name.clone())
+                    .long(name)
+                    .action(kind)
+                    .overrides_with(other)
+                    .help(help)
+                    .help_heading("Outputs")
             };
             // Only the one that changes something is worth a line of help.
             command
                 .arg(
-                    switch(on.to_owned(), off.clone(), format!("Write {}. {}", sink.file, sink.summary))
-                        .hide(sink.default),
+                    switch(
+                        on.to_owned(),
+                        off.clone(),
+                        format!("Write {}. {}", sink.file, sink.summary),
+                    )
+                    .hide(sink.default),
                 )
                 .arg(
-                    switch(off, on.to_owned(), format!("Leave out {}. {}", sink.file, sink.summary))
-                        .hide(!sink.default),
+                    switch(
+                        off,
+                        on.to_owned(),
+                        format!("Leave out {}. {}", sink.file, sink.summary),
+                    )
+                    .hide(!sink.default),
                 )
         })
     }

@@ -30,12 +30,16 @@ impl RoomOverrides {
     /// The overrides, those of `--set` first.
     pub(crate) fn list(&self) -> Overrides {
         let mut list = self.set.clone();
-        let mut add = |key: &str, value: Option<String>| list.extend(value.map(|value| (key.to_owned(), value)));
+        let mut add =
+            |key: &str, value: Option<String>| list.extend(value.map(|value| (key.to_owned(), value)));
         add("run.from", self.from.map(|value| format!("{value:?}")));
         add("run.until", self.until.map(|value| format!("{value:?}")));
         add("run.seed", self.seed.map(|value| value.to_string()));
         add("run.threads", self.threads.map(|value| value.to_string()));
-        add("system.name", self.system.as_ref().map(|value| format!("{value:?}")));
+        add(
+            "system.name",
+            self.system.as_ref().map(|value| format!("{value:?}")),
+        );
         list
     }
 }

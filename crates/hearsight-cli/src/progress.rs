@@ -40,7 +40,11 @@ impl Bar {
         bar.set_position((progress.done().seconds() * UNITS_PER_SECOND) as u64);
         if progress.ticks % 25 == 1 {
             let people = if progress.tracks == 1 { "person" } else { "people" };
-            bar.set_message(format!("{:.1} s, {} {people}", progress.position.seconds(), progress.tracks));
+            bar.set_message(format!(
+                "{:.1} s, {} {people}",
+                progress.position.seconds(),
+                progress.tracks
+            ));
         }
     }
 

@@ -3,7 +3,9 @@
 //!
 //! A check never ends at the first thing that is wrong: each finding is a pass, a warning or a failure with its cure.
 
+mod delays;
 mod geometry;
+mod levels;
 mod order;
 mod picture;
 mod sound;
@@ -64,7 +66,11 @@ pub struct CheckReport {
 impl CheckReport {
     /// The worst verdict; a pass where nothing was found.
     pub fn worst(&self) -> Verdict {
-        self.findings.iter().map(|finding| finding.verdict).max().unwrap_or(Verdict::Pass)
+        self.findings
+            .iter()
+            .map(|finding| finding.verdict)
+            .max()
+            .unwrap_or(Verdict::Pass)
     }
 
     fn pass(&mut self, subject: &str, aspect: &'static str, what: impl Into<String>) {
@@ -72,19 +78,43 @@ impl CheckReport {
     }
 
     fn warn(&mut self, subject: &str, aspect: &'static str, what: impl Into<String>, cure: &str) {
-        self.add(Verdict::Warning, subject, aspect, what.into(), Some(cure.to_owned()));
+        self.add(
+            Verdict::Warning,
+            subject,
+            aspect,
+            what.into(),
+            Some(cure.to_owned()),
+        );
     }
 
     fn fail(&mut self, subject: &str, aspect: &'static str, what: impl Into<String>, cure: Option<String>) {
         self.add(Verdict::Failure, subject, aspect, what.into(), cure);
     }
 
-    fn add(&mut self, verdict: Verdict, subject: &str, aspect: &'static str, what: String, cure: Option<String>) {
-        self.findings.push(Finding { verdict, subject: subject.to_owned(), aspect, what, cure });
+    fn add(
+        &mut self,
+        verdict: Verdict,
+        subject: &str,
+        aspect: &'static str,
+        what: String,
+        cure: Option<String>,
+    ) {
+        self.findings.push(Finding {
+            verdict,
+            subject: subject.to_owned(),
+            aspect,
+            what,
+            cure,
+        });
     }
 
     fn error(&mut self, subject: &str, aspect: &'static str, error: &EngineError) {
-        self.fail(subject, aspect, error.to_string(), error.help().map(|help| help.to_string()));
+        self.fail(
+            subject,
+            aspect,
+            error.to_string(),
+            error.help().map(|help| help.to_string()),
+        );
     }
 }
 
@@ -105,7 +135,11 @@ pub fn check(configuration: &ResolvedRoom) -> CheckReport {
     };
     let first = engine.progress();
     // Where one sensor has not begun there is nothing to compare.
-    let limit = if first.end.is_some() { LISTEN_S } else { LISTEN_LIVE_S };
+    let limit = if first.end.is_some() {
+        LISTEN_S
+    } else {
+        LISTEN_LIVE_S
+    };
     let until = first.start + Span::from_seconds(limit);
     listening.run.until = Some(configuration.run.until.map_or(until, |wanted| wanted.min(until)));
     drop(engine);
@@ -135,9 +169,16 @@ fn open_each(configuration: &ResolvedRoom, report: &mut CheckReport) -> bool {
 /// Reads the whole room once.
 fn listen(engine: &mut Engine, report: &mut CheckReport) -> Vec<sound::Heard> {
     let room = engine.room().clone();
-    let mut pictures: Vec<_> = room.cameras.iter().map(|camera| picture::Looker::new(&camera.name)).collect();
-    let mut sounds: Vec<_> =
-        room.arrays.iter().map(|array| sound::Ear::new(array, room.speed_of_sound_m_s)).collect();
+    let mut pictures: Vec<_> = room
+        .cameras
+        .iter()
+        .map(|camera| picture::Looker::new(&camera.name))
+        .collect();
+    let mut sounds: Vec<_> = room
+        .arrays
+        .iter()
+        .map(|array| sound::Ear::new(array, room.speed_of_sound_m_s))
+        .collect();
     while engine.step().is_some() {
         let moment = engine.tick().moment;
         for (looker, observed) in pictures.iter_mut().zip(&moment.video) {
@@ -151,16 +192,25 @@ fn listen(engine: &mut Engine, report: &mut CheckReport) -> Vec<sound::Heard> {
         looker.report(camera, report);
     }
     let sounds = sounds.into_iter().zip(&room.arrays).enumerate();
-    sounds.map(|(number, (ear, array))| ear.report(number, array, report)).collect()
+    sounds
+        .map(|(number, (ear, array))| ear.report(number, array, report))
+        .collect()
 }
 
 /// Faults and rates, which the sources have counted.
 fn clocks(summary: &Summary, report: &mut CheckReport) {
     if let (Some(first), Some(last)) = (summary.first_tick_s, summary.last_tick_s) {
-        report.pass("room", "clocks", format!("{:.2} s to {:.2} s on the common clock", first, last));
+        report.pass(
+            "room",
+            "clocks",
+            format!("{:.2} s to {:.2} s on the common clock", first, last),
+        );
     }
     for fault in &summary.faults {
-        let what = format!("{} times, first at {:.2} s: {}", fault.count, fault.first_s, fault.first_detail);
+        let what = format!(
+            "{} times, first at {:.2} s: {}",
+            fault.count, fault.first_s, fault.first_detail
+        );
         let cure = "what was read is used; record or copy the file again if it matters";
         report.warn(&fault.sensor, "data", what, cure);
     }
@@ -182,14 +232,21 @@ fn compare(configuration: &ResolvedRoom, heard: &[sound::Heard], report: &mut Ch
         Err(error) => return report.error("room", "the system accepts the room", &error),
     };
     let system = &configuration.system.name;
-    report.pass("room", "the system accepts the room", format!("{system} is ready"));
+    report.pass(
+        "room",
+        "the system accepts the room",
+        format!("{system} is ready"),
+    );
     if start.is_none() {
         return;
     }
     let mut orders: Vec<_> = heard.iter().map(|_| order::Order::default()).collect();
     let room = engine.room().clone();
     while let Some(scene) = engine.step() {
-        orders.iter_mut().zip(heard).for_each(|(order, heard)| order.see(&room, heard, scene));
+        orders
+            .iter_mut()
+            .zip(heard)
+            .for_each(|(order, heard)| order.see(&room, heard, scene));
     }
     for (order, array) in orders.iter().zip(&room.arrays) {
         order.report(array, report);

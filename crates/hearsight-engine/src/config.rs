@@ -5,6 +5,7 @@
 
 mod document;
 mod geometry;
+mod parameters;
 mod parse;
 mod problem;
 pub mod raw;
@@ -15,4 +16,6 @@ mod sensors;
 pub use parse::{Overrides, parse, room_schema};
 pub use problem::{ConfigurationError, Problem};
 pub use resolve::{load, load_room, resolve};
-pub use resolved::{Input, ResolvedArray, ResolvedCamera, ResolvedOutput, ResolvedRoom, ResolvedRun, ResolvedSystem};
+pub use resolved::{
+    Input, ResolvedArray, ResolvedCamera, ResolvedOutput, ResolvedRoom, ResolvedRun, ResolvedSystem,
+};

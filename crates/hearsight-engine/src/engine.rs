@@ -3,10 +3,11 @@
 //! While the system works on one moment the next one is decoded, where there is more than one thread and no source is
 //! live. That changes when things happen, never what: the same room gives the same scenes for any number of threads.
 
+mod suspend;
+
 use crate::config::{ResolvedRoom, ResolvedSystem};
 use crate::error::EngineError;
 use crate::progress::Progress;
-use crate::saved::{SavedRun, fingerprint};
 use crate::sinks::{Outputs, SinkContext, Tick};
 use crate::sources::{self, Sources};
 use crate::summary::{Counts, FaultBook, Outcome, Summary, stage_times};
@@ -15,7 +16,7 @@ use hearsight_core::room::Room;
 use hearsight_core::source::Delivery;
 use hearsight_core::{Instant, Moment, Span};
 use hearsight_media::MomentReader;
-use hearsight_systems::{StateError, System};
+use hearsight_systems::System;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -43,6 +44,8 @@ pub struct Engine {
     /// The sources have ended; `moment` is the last one.
     at_end: bool,
     counts: Counts,
+    /// Ticks that were counted before the run was restored.
+    restored_ticks: u64,
     last_track: u64,
     faults: FaultBook,
     opened: time::Instant,
@@ -57,8 +60,8 @@ impl Engine {
     /// [`EngineError`] where a sensor cannot be opened, sensors do not fit each other, or the system refuses them.
     pub fn open(configuration: ResolvedRoom) -> Result<Self, EngineError> {
         let sources = sources::open(&configuration)?;
-        let ResolvedSystem { name, parameters } = &configuration.system;
-        let system = hearsight_systems::build(name, parameters, &sources.room, configuration.run.seed)?;
+        let ResolvedSystem { name, given, .. } = &configuration.system;
+        let system = hearsight_systems::build(name, given, &sources.room, configuration.run.seed)?;
         Self::assemble(configuration, sources, system)
     }
 
@@ -85,10 +88,23 @@ impl Engine {
             .num_threads(threads)
             .thread_name(|number| format!("tracking-{number}"))
             .build()
-            .map_err(|error| EngineError::Threads { threads, reason: error.to_string() })?;
+            .map_err(|error| EngineError::Threads {
+                threads,
+                reason: error.to_string(),
+            })?;
         Ok(Self {
-            camera_names: sources.room.cameras.iter().map(|camera| camera.name.clone()).collect(),
-            array_names: sources.room.arrays.iter().map(|array| array.name.clone()).collect(),
+            camera_names: sources
+                .room
+                .cameras
+                .iter()
+                .map(|camera| camera.name.clone())
+                .collect(),
+            array_names: sources
+                .room
+                .arrays
+                .iter()
+                .map(|array| array.name.clone())
+                .collect(),
             start: sources.start,
             end: sources.end,
             live: sources.live,
@@ -105,6 +121,7 @@ impl Engine {
             first: None,
             at_end: false,
             counts: Counts::default(),
+            restored_ticks: 0,
             last_track: 0,
             faults: FaultBook::default(),
             opened: time::Instant::now(),
@@ -153,7 +170,9 @@ impl Engine {
     }
 
     fn take_delivery(&mut self, delivery: Delivery) {
+        let until = self.configuration.run.until;
         match delivery {
+            Delivery::Data if until.is_some_and(|until| self.ahead.time >= until) => self.at_end = true,
             Delivery::Data => self.ahead_is_ready = true,
             // What went wrong then belongs to no scene.
             Delivery::Pending => self.faults.add(&self.ahead.faults),
@@ -196,11 +215,16 @@ impl Engine {
     fn account(&mut self) {
         self.first.get_or_insert(self.moment.time);
         self.faults.add(&self.moment.faults);
-        self.counts.add_moment(&self.moment, &self.camera_names, &self.array_names);
+        self.counts
+            .add_moment(&self.moment, &self.camera_names, &self.array_names);
         self.counts.ticks_with_speaker += u64::from(self.scene.speaker.is_some());
         // Identities ascend, so whoever is above the newest one so far is new.
         let new: BTreeSet<u64> = self.scene.tracks.iter().map(|track| track.id).collect();
-        for id in new.into_iter().filter(|id| *id > self.last_track).collect::<Vec<_>>() {
+        for id in new
+            .into_iter()
+            .filter(|id| *id > self.last_track)
+            .collect::<Vec<_>>()
+        {
             self.counts.tracks += 1;
             self.last_track = id;
         }
@@ -208,7 +232,11 @@ impl Engine {
 
     /// What sinks see of the last tick.
     pub fn tick(&self) -> Tick<'_> {
-        Tick { scene: &self.scene, moment: &self.moment, system: self.system.as_ref() }
+        Tick {
+            scene: &self.scene,
+            moment: &self.moment,
+            system: self.system.as_ref(),
+        }
     }
 
     /// The last scene.
@@ -235,7 +263,11 @@ impl Engine {
     pub fn progress(&self) -> Progress {
         Progress {
             start: self.start,
-            position: if self.first.is_some() { self.moment.time } else { self.start },
+            position: if self.first.is_some() {
+                self.moment.time
+            } else {
+                self.start
+            },
             end: self.end,
             ticks: self.counts.ticks,
             tracks: self.scene.tracks.len(),
@@ -263,7 +295,7 @@ impl Engine {
     /// How the run went so far.
     pub fn summary(&self, outcome: Outcome) -> Summary {
         let elapsed_s = self.opened.elapsed().as_secs_f64();
-        let done_s = self.interval().seconds() * self.counts.ticks as f64;
+        let done_s = self.interval().seconds() * (self.counts.ticks - self.restored_ticks) as f64;
         let mut stages = vec![("decode", self.decoding)];
         stages.extend(self.system.timings());
         stages.push(("write", self.writing));
@@ -281,55 +313,5 @@ impl Engine {
             faults: self.faults.list(),
             quarantined: self.system.quarantined(),
         }
-    }
-
-    /// Puts the run aside as it is after the last step.
-    ///
-    /// # Errors
-    /// [`EngineError::State`] where the system cannot write its state.
-    pub fn save(&self) -> Result<SavedRun, EngineError> {
-        Ok(SavedRun {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            fingerprint: fingerprint(&self.configuration),
-            ticks: self.counts.ticks,
-            tick: self.moment.tick,
-            first: self.first,
-            counts: self.counts.clone(),
-            last_track: self.last_track,
-            faults: self.faults.list(),
-            system: self.system.save()?,
-        })
-    }
-
-    /// Goes on where a saved run of the same configuration was put aside: recordings are read up to there without
-    /// tracking, live sources go on now. To be called before the first step.
-    ///
-    /// # Errors
-    /// [`EngineError::State`] where the run is of another version or configuration, or the recordings end before it.
-    pub fn restore(&mut self, saved: &SavedRun) -> Result<(), EngineError> {
-        let foreign = |what: &str| StateError::Foreign(what.to_owned());
-        if saved.version != env!("CARGO_PKG_VERSION") {
-            return Err(foreign(&format!("it is of version {}", saved.version)).into());
-        }
-        if saved.fingerprint != fingerprint(&self.configuration) {
-            return Err(foreign("its sensors, system, parameters, seed or beginning differ").into());
-        }
-        if self.counts.ticks > 0 {
-            return Err(foreign("this run has already begun").into());
-        }
-        while !self.live && saved.ticks > 0 {
-            if !self.advance() {
-                return Err(foreign("the recordings end before it").into());
-            }
-            if self.moment.tick >= saved.tick {
-                break;
-            }
-        }
-        self.system.restore(&saved.system)?;
-        self.counts = saved.counts.clone();
-        self.last_track = saved.last_track;
-        self.first = saved.first;
-        self.faults = FaultBook::from_list(saved.faults.clone());
-        Ok(())
     }
 }

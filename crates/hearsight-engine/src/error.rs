@@ -40,7 +40,10 @@ pub enum EngineError {
     Moments(#[from] MomentError),
     /// A calibration does not fit its camera: name another, or leave it out.
     #[error("camera {camera}: {source}")]
-    #[diagnostic(code(hearsight::calibration), help("name the calibration of this very camera and resolution (is `index` right?)"))]
+    #[diagnostic(
+        code(hearsight::calibration),
+        help("name the calibration of this very camera and resolution (is `index` right?)")
+    )]
     Calibration {
         /// The camera's name.
         camera: String,
@@ -53,7 +56,10 @@ pub enum EngineError {
     System(#[from] SystemError),
     /// An output cannot be written: free space or choose another directory. What was written before is closed.
     #[error(transparent)]
-    #[diagnostic(code(hearsight::output), help("check that the directory is writable and has space, or choose another with --out"))]
+    #[diagnostic(
+        code(hearsight::output),
+        help("check that the directory is writable and has space, or choose another with --out")
+    )]
     Output(#[from] SinkError),
     /// A saved state cannot be written or taken over: start without it.
     #[error("{}: {reason}", path.display())]

@@ -50,7 +50,9 @@ impl SavedRun {
     /// [`EngineError::State`] where they are none.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, EngineError> {
         let foreign = |what: &str| hearsight_systems::StateError::Foreign(what.to_owned());
-        let content = bytes.strip_prefix(MAGIC).ok_or_else(|| foreign("it does not begin as one"))?;
+        let content = bytes
+            .strip_prefix(MAGIC)
+            .ok_or_else(|| foreign("it does not begin as one"))?;
         let saved = postcard::from_bytes(content).map_err(|error| foreign(&error.to_string()))?;
         Ok(saved)
     }
@@ -93,20 +95,38 @@ pub(crate) fn fingerprint(room: &ResolvedRoom) -> u64 {
         .cameras
         .iter()
         .map(|camera| {
-            let lens = camera.calibration.as_ref().map(|lens| (lens.model, lens.pose, lens.size));
+            let lens = camera
+                .calibration
+                .as_ref()
+                .map(|lens| (lens.model, lens.pose, lens.size));
             (camera.name.as_str(), camera.start, camera.drift_ppm, lens)
         })
         .collect();
     let arrays: Vec<_> = room
         .arrays
         .iter()
-        .map(|array| (array.name.as_str(), array.start, &array.channels, array.camera, array.rate_hz))
+        .map(|array| {
+            (
+                array.name.as_str(),
+                array.start,
+                &array.channels,
+                array.camera,
+                array.rate_hz,
+            )
+        })
         .map(|facts| format!("{facts:?}"))
         .collect();
     let microphones: Vec<_> = room.arrays.iter().map(|array| &array.microphones).collect();
-    let run = (room.run.seed, room.run.from, room.run.tick, room.speed_of_sound_m_s);
-    let system = (&room.system.name, room.system.parameters.to_string());
+    let run = (
+        room.run.seed,
+        room.run.from,
+        room.run.tick,
+        room.speed_of_sound_m_s,
+    );
+    let system = (&room.system.name, room.system.given.to_string());
     let text = format!("{sensors:?}{arrays:?}{microphones:?}{run:?}{system:?}");
     // FNV-1a: the same on every machine and in every version of the language, which `Hash` is not.
-    text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    })
 }

@@ -21,7 +21,14 @@ use std::path::{Path, PathBuf};
 
 /// Every sink that there is.
 pub fn registry() -> &'static [SinkInfo] {
-    &[scenes::INFO, mot::INFO, tracks::INFO, speech::INFO, report::INFO, overlay::INFO]
+    &[
+        scenes::INFO,
+        mot::INFO,
+        tracks::INFO,
+        speech::INFO,
+        report::INFO,
+        overlay::INFO,
+    ]
 }
 
 /// What a sink is, for configuration, help and reference.
@@ -91,7 +98,10 @@ pub struct SinkError {
 impl SinkError {
     /// An error at `path`.
     pub fn new(path: &Path, reason: impl ToString) -> Self {
-        Self { path: path.to_path_buf(), reason: reason.to_string() }
+        Self {
+            path: path.to_path_buf(),
+            reason: reason.to_string(),
+        }
     }
 }
 
@@ -114,7 +124,8 @@ impl Outputs {
         let wanted = &context.configuration.output.formats;
         let mut outputs = Self::none();
         if !wanted.is_empty() {
-            std::fs::create_dir_all(context.directory).map_err(|error| SinkError::new(context.directory, error))?;
+            std::fs::create_dir_all(context.directory)
+                .map_err(|error| SinkError::new(context.directory, error))?;
         }
         for info in registry().iter().filter(|info| wanted.contains(info.name)) {
             outputs.sinks.push((info.open)(context)?);
@@ -163,7 +174,11 @@ mod tests {
         assert_eq!(names.len(), registry().len());
         assert_eq!(files.len(), registry().len());
         for info in registry() {
-            assert!(info.summary.ends_with('.') && info.summary.len() > 20, "{}", info.name);
+            assert!(
+                info.summary.ends_with('.') && info.summary.len() > 20,
+                "{}",
+                info.name
+            );
             assert!(info.name.chars().all(|c| c.is_ascii_lowercase()), "{}", info.name);
             assert_ne!(info.name, "directory");
         }

@@ -8,8 +8,9 @@ use hearsight_core::room::{ArraySensor, CameraSensor, Room};
 use hearsight_core::source::{AudioSource, VideoSource};
 use hearsight_core::{Instant, Span};
 use hearsight_media::{
-    AudioFile, AudioOptions, ChannelSelection, ImageOptions, ImageSequence, InputOptions, LiveAudio, LiveVideo,
-    MediaError, MomentOptions, MomentReader, Pace, QueueOptions, RunClock, SourceClock, VideoFile, VideoOptions,
+    AudioFile, AudioOptions, ChannelSelection, ImageOptions, ImageSequence, InputOptions, LiveAudio,
+    LiveVideo, MediaError, MomentOptions, MomentReader, Pace, QueueOptions, RunClock, SourceClock, VideoFile,
+    VideoOptions,
 };
 use std::collections::BTreeMap;
 
@@ -26,7 +27,10 @@ pub(crate) struct Sources {
 /// Opens every sensor.
 pub(crate) fn open(configuration: &ResolvedRoom) -> Result<Sources, EngineError> {
     let starts = configuration.cameras.iter().map(|camera| camera.start);
-    let first = starts.chain(configuration.arrays.iter().map(|array| array.start)).flatten().min();
+    let first = starts
+        .chain(configuration.arrays.iter().map(|array| array.start))
+        .flatten()
+        .min();
     let clock = RunClock::starting_at(configuration.run.from.or(first).unwrap_or(Instant::ZERO));
     let mut cameras = Vec::new();
     for camera in &configuration.cameras {
@@ -39,12 +43,14 @@ pub(crate) fn open(configuration: &ResolvedRoom) -> Result<Sources, EngineError>
     let room = room(configuration, &cameras, &arrays)?;
     let ranges = fit::ranges(&room, &cameras, &arrays);
     fit::check(&room, &ranges, configuration)?;
-    let live = cameras.iter().any(|camera| camera.format().live) || arrays.iter().any(|array| array.format().live);
-    let (start, end) = fit::whole(&ranges, configuration);
+    let live =
+        cameras.iter().any(|camera| camera.format().live) || arrays.iter().any(|array| array.format().live);
+    let (start, end) = fit::whole(&ranges, live, configuration);
     let options = MomentOptions {
         tick: configuration.run.tick,
         from: configuration.run.from,
-        until: configuration.run.until,
+        // The engine ends the run: a tick that is cut short would differ from the same tick of a longer run.
+        until: None,
         clock: live.then_some(clock),
         ..MomentOptions::default()
     };
@@ -52,14 +58,26 @@ pub(crate) fn open(configuration: &ResolvedRoom) -> Result<Sources, EngineError>
     let named_arrays = configuration.arrays.iter().zip(arrays);
     let reader = MomentReader::new(
         named_cameras
-            .map(|(camera, source)| hearsight_media::Camera { name: camera.name.clone(), source })
+            .map(|(camera, source)| hearsight_media::Camera {
+                name: camera.name.clone(),
+                source,
+            })
             .collect(),
         named_arrays
-            .map(|(array, source)| hearsight_media::Microphones { name: array.name.clone(), source })
+            .map(|(array, source)| hearsight_media::Microphones {
+                name: array.name.clone(),
+                source,
+            })
             .collect(),
         options,
     )?;
-    Ok(Sources { room, reader, start, end, live })
+    Ok(Sources {
+        room,
+        reader,
+        start,
+        end,
+        live,
+    })
 }
 
 /// Opens and closes each sensor by itself: its name, and its facts for people or what is wrong.
@@ -69,8 +87,14 @@ pub(crate) fn open_each(configuration: &ResolvedRoom) -> Vec<(String, Result<Str
         let opened = open_camera(camera, clock).map(|source| {
             let format = source.format();
             let rate = 1.0 / format.interval.seconds();
-            let length = format.frames.map_or_else(|| "live".to_owned(), |frames| format!("{frames} frames"));
-            format!("{} x {} pixels, {rate:.2} frames a second, {length}", format.width, format.height)
+            let length = match format.frames {
+                Some(frames) => format!("{frames} frames"),
+                None => if format.live { "live" } else { "of unknown length" }.to_owned(),
+            };
+            format!(
+                "{} x {} pixels, {rate:.2} frames a second, {length}",
+                format.width, format.height
+            )
         });
         (camera.name.clone(), opened)
     });
@@ -78,9 +102,14 @@ pub(crate) fn open_each(configuration: &ResolvedRoom) -> Vec<(String, Result<Str
         let opened = open_array(array, clock).map(|source| {
             let format = source.format();
             let rate = f64::from(format.rate_hz.max(1));
-            let length =
-                format.samples.map_or_else(|| "live".to_owned(), |count| format!("{:.2} s", count as f64 / rate));
-            format!("{} channels, {} samples a second, {length}", format.channels, format.rate_hz)
+            let length = match format.samples {
+                Some(count) => format!("{:.2} s", count as f64 / rate),
+                None => if format.live { "live" } else { "of unknown length" }.to_owned(),
+            };
+            format!(
+                "{} channels, {} samples a second, {length}",
+                format.channels, format.rate_hz
+            )
         });
         (array.name.clone(), opened)
     });
@@ -96,16 +125,27 @@ fn source_clock(start: Option<Instant>, drift_ppm: f64, clock: RunClock) -> Sour
 fn input_options(format: &Option<String>, options: &BTreeMap<String, String>) -> InputOptions {
     InputOptions {
         format: format.clone(),
-        parameters: options.iter().map(|(key, value)| (key.clone(), value.clone())).collect(),
+        parameters: options
+            .iter()
+            .map(|(key, value)| (key.clone(), value.clone()))
+            .collect(),
         ..InputOptions::default()
     }
 }
 
 fn open_camera(camera: &ResolvedCamera, clock: RunClock) -> Result<Box<dyn VideoSource>, EngineError> {
-    let source = camera_source(camera, clock)
-        .map_err(|source| EngineError::Sensor { sensor: camera.name.clone(), source })?;
-    let Some(pace) = pace(camera.paced, source.format().live, clock) else { return Ok(source) };
-    let queue = QueueOptions { name: camera.name.clone(), pace, ..QueueOptions::default() };
+    let source = camera_source(camera, clock).map_err(|source| EngineError::Sensor {
+        sensor: camera.name.clone(),
+        source,
+    })?;
+    let Some(pace) = pace(camera.paced, source.format().live, clock) else {
+        return Ok(source);
+    };
+    let queue = QueueOptions {
+        name: camera.name.clone(),
+        pace,
+        ..QueueOptions::default()
+    };
     Ok(Box::new(LiveVideo::spawn(source, &queue).map_err(no_thread)?))
 }
 
@@ -113,11 +153,20 @@ fn camera_source(camera: &ResolvedCamera, clock: RunClock) -> Result<Box<dyn Vid
     let clock = source_clock(camera.start, camera.drift_ppm, clock);
     let name = camera.name.clone();
     if let Input::Images(pattern) = &camera.input {
-        let options = ImageOptions { name, clock, interval: Span::from_seconds(1.0 / camera.rate_hz) };
+        let options = ImageOptions {
+            name,
+            clock,
+            interval: Span::from_seconds(1.0 / camera.rate_hz),
+        };
         return Ok(Box::new(ImageSequence::open(pattern, options)?));
     }
     let input = input_options(&camera.format, &camera.options);
-    let options = VideoOptions { name, clock, interval: None, input };
+    let options = VideoOptions {
+        name,
+        clock,
+        interval: None,
+        input,
+    };
     Ok(Box::new(match &camera.input {
         Input::File(path) | Input::Images(path) => VideoFile::open(path, options)?,
         Input::Device(location) | Input::Stream(location) => VideoFile::open_location(location, options)?,
@@ -125,10 +174,18 @@ fn camera_source(camera: &ResolvedCamera, clock: RunClock) -> Result<Box<dyn Vid
 }
 
 fn open_array(array: &ResolvedArray, clock: RunClock) -> Result<Box<dyn AudioSource>, EngineError> {
-    let source = array_source(array, clock)
-        .map_err(|source| EngineError::Sensor { sensor: array.name.clone(), source })?;
-    let Some(pace) = pace(array.paced, source.format().live, clock) else { return Ok(source) };
-    let queue = QueueOptions { name: array.name.clone(), pace, ..QueueOptions::default() };
+    let source = array_source(array, clock).map_err(|source| EngineError::Sensor {
+        sensor: array.name.clone(),
+        source,
+    })?;
+    let Some(pace) = pace(array.paced, source.format().live, clock) else {
+        return Ok(source);
+    };
+    let queue = QueueOptions {
+        name: array.name.clone(),
+        pace,
+        ..QueueOptions::default()
+    };
     Ok(Box::new(LiveAudio::spawn(source, &queue).map_err(no_thread)?))
 }
 
@@ -161,7 +218,10 @@ fn pace(paced: bool, live: bool, clock: RunClock) -> Option<Pace> {
 }
 
 fn no_thread(error: std::io::Error) -> EngineError {
-    EngineError::Threads { threads: 1, reason: error.to_string() }
+    EngineError::Threads {
+        threads: 1,
+        reason: error.to_string(),
+    }
 }
 
 /// What systems may know of the sensors.
@@ -173,14 +233,18 @@ fn room(
     let cameras = configuration.cameras.iter().zip(cameras).map(|(camera, source)| {
         let format = source.format();
         let lens = camera.calibration.as_ref();
-        let calibration = lens.map(|lens| lens.camera(format.width, format.height)).transpose();
+        let calibration = lens
+            .map(|lens| lens.camera(format.width, format.height))
+            .transpose();
         Ok(CameraSensor {
             name: camera.name.clone(),
             width: format.width,
             height: format.height,
             interval: format.interval,
-            calibration: calibration
-                .map_err(|source| EngineError::Calibration { camera: camera.name.clone(), source })?,
+            calibration: calibration.map_err(|source| EngineError::Calibration {
+                camera: camera.name.clone(),
+                source,
+            })?,
         })
     });
     let arrays = configuration.arrays.iter().zip(arrays).map(|(array, source)| {

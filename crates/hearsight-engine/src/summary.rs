@@ -129,7 +129,11 @@ impl FaultBook {
 
     /// The book with this content.
     pub(crate) fn from_list(list: Vec<FaultSummary>) -> Self {
-        Self(list.into_iter().map(|fault| ((fault.sensor.clone(), fault.kind), fault)).collect())
+        Self(
+            list.into_iter()
+                .map(|fault| ((fault.sensor.clone(), fault.kind), fault))
+                .collect(),
+        )
     }
 }
 
@@ -156,7 +160,11 @@ pub(crate) fn stage_times(stages: &[(&str, Duration)]) -> Vec<StageTime> {
         .iter()
         .map(|(stage, time)| {
             let seconds = time.as_secs_f64();
-            StageTime { stage: (*stage).to_owned(), seconds, share: share(seconds) }
+            StageTime {
+                stage: (*stage).to_owned(),
+                seconds,
+                share: share(seconds),
+            }
         })
         .collect()
 }

@@ -45,19 +45,36 @@ pub(crate) fn run(arguments: &Arguments) -> miette::Result<Code> {
 }
 
 fn print(report: &CheckReport) {
-    let width = report.findings.iter().map(|finding| finding.subject.chars().count()).max().unwrap_or(0);
+    let width = report
+        .findings
+        .iter()
+        .map(|finding| finding.subject.chars().count())
+        .max()
+        .unwrap_or(0);
     for finding in &report.findings {
         let verdict = match finding.verdict {
             Verdict::Pass => "pass   ",
             Verdict::Warning => "WARNING",
             Verdict::Failure => "FAILURE",
         };
-        println!("{verdict}  {:<width$}  {}: {}", finding.subject, finding.aspect, finding.what);
+        println!(
+            "{verdict}  {:<width$}  {}: {}",
+            finding.subject, finding.aspect, finding.what
+        );
         if let Some(cure) = &finding.cure {
             println!("         {:width$}  -> {cure}", "");
         }
     }
-    let count = |verdict| report.findings.iter().filter(|finding| finding.verdict == verdict).count();
+    let count = |verdict| {
+        report
+            .findings
+            .iter()
+            .filter(|finding| finding.verdict == verdict)
+            .count()
+    };
     let (warnings, failures) = (count(Verdict::Warning), count(Verdict::Failure));
-    println!("{} passed, {warnings} warnings, {failures} failures", count(Verdict::Pass));
+    println!(
+        "{} passed, {warnings} warnings, {failures} failures",
+        count(Verdict::Pass)
+    );
 }

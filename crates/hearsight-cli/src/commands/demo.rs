@@ -47,7 +47,9 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 /// Makes, tracks and prints.
 pub(crate) fn run(arguments: &Arguments) -> miette::Result<Code> {
-    let world = World { seconds: arguments.seconds };
+    let world = World {
+        seconds: arguments.seconds,
+    };
     let path = make(&world, &arguments.out)?;
     if arguments.only_make {
         println!("made {}", path.display());
@@ -58,7 +60,10 @@ pub(crate) fn run(arguments: &Arguments) -> miette::Result<Code> {
     let mut room = load(&path, &overrides)?;
     room.output.directory.clone_from(&results);
     let tally = Arc::new(Mutex::new(Tally::default()));
-    let judge = Judge { world, tally: Arc::clone(&tally) };
+    let judge = Judge {
+        world,
+        tally: Arc::clone(&tally),
+    };
     let mut engine = Engine::open(room)?;
     let mut outputs = engine.open_outputs()?;
     outputs.add(Box::new(judge));
@@ -70,9 +75,17 @@ pub(crate) fn run(arguments: &Arguments) -> miette::Result<Code> {
             tally.print();
         }
         let shown = results.join("front.mp4");
-        println!("look at {}, or run: hearsight check {}", shown.display(), path.display());
+        println!(
+            "look at {}, or run: hearsight check {}",
+            shown.display(),
+            path.display()
+        );
     }
-    Ok(if summary.outcome == Outcome::Interrupted { Code::Interrupted } else { Code::Done })
+    Ok(if summary.outcome == Outcome::Interrupted {
+        Code::Interrupted
+    } else {
+        Code::Done
+    })
 }
 
 /// How often the results agree with what is true.
@@ -115,8 +128,13 @@ impl Tally {
                 let (u, v) = (head.left + head.width / 2.0, head.top + head.height / 2.0);
                 Some((u - person.head_px[0]).hypot(v - person.head_px[1]))
             };
-            let nearest = scene.tracks.iter().filter_map(|track| Some((distance(track)?, track)));
-            let nearest = nearest.min_by(|one, other| one.0.total_cmp(&other.0)).filter(|(px, _)| *px < GATE_PX);
+            let nearest = scene
+                .tracks
+                .iter()
+                .filter_map(|track| Some((distance(track)?, track)));
+            let nearest = nearest
+                .min_by(|one, other| one.0.total_cmp(&other.0))
+                .filter(|(px, _)| *px < GATE_PX);
             self.people += 1;
             if let Some((error_px, _)) = nearest {
                 self.found += 1;
@@ -134,11 +152,20 @@ impl Tally {
     }
 
     fn print(&self) {
-        let part = |count: u64, all: u64| if all > 0 { 100.0 * count as f64 / all as f64 } else { 0.0 };
+        let part = |count: u64, all: u64| {
+            if all > 0 {
+                100.0 * count as f64 / all as f64
+            } else {
+                0.0
+            }
+        };
         let seconds = self.people as f64 / 2.0 / FRAMES_PER_SECOND;
         let error = self.error_px / self.found.max(1) as f64;
         println!("beside the truth, over the last {seconds:.1} s:");
-        println!("  heads found {:.0} %, {error:.1} px off on average", part(self.found, self.people));
+        println!(
+            "  heads found {:.0} %, {error:.1} px off on average",
+            part(self.found, self.people)
+        );
         println!(
             "  of the time that someone talks: the right person marked {:.0} %, a wrong one {:.0} %",
             part(self.right, self.talking),

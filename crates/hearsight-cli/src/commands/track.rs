@@ -74,11 +74,7 @@ pub(crate) fn run(arguments: &Arguments) -> miette::Result<Code> {
 }
 
 /// Tracks a resolved room with all its outputs and a progress bar.
-fn track(
-    room: ResolvedRoom,
-    restore: Option<&Path>,
-    quiet: bool,
-) -> Result<(Engine, Summary), EngineError> {
+fn track(room: ResolvedRoom, restore: Option<&Path>, quiet: bool) -> Result<(Engine, Summary), EngineError> {
     let stop = interrupt::flag();
     let mut engine = Engine::open(room)?;
     if let Some(path) = restore {
@@ -111,19 +107,36 @@ pub(crate) fn drive(
 pub(crate) fn print(engine: &Engine, summary: &Summary) {
     let counts = &summary.counts;
     let seconds = summary.tick_s * counts.ticks as f64;
-    let frames: Vec<String> = counts.frames.iter().map(|(camera, frames)| format!("{camera} {frames}")).collect();
-    println!("{seconds:.1} s in {:.1} s ({:.1} times real time)", summary.elapsed_s, summary.times_real_time);
+    let frames: Vec<String> = counts
+        .frames
+        .iter()
+        .map(|(camera, frames)| format!("{camera} {frames}"))
+        .collect();
+    println!(
+        "{seconds:.1} s in {:.1} s ({:.1} times real time)",
+        summary.elapsed_s, summary.times_real_time
+    );
     if !frames.is_empty() {
         println!("frames: {}", frames.join(", "));
     }
     let speech = summary.tick_s * counts.ticks_with_speaker as f64;
     println!("tracks: {}; someone speaks for {speech:.1} s", counts.tracks);
     for fault in &summary.faults {
-        let times = if fault.count == 1 { String::new() } else { format!(" ({} in all)", fault.count) };
-        println!("fault: {} at {:.2} s: {}{times}", fault.sensor, fault.first_s, fault.first_detail);
+        let times = if fault.count == 1 {
+            String::new()
+        } else {
+            format!(" ({} in all)", fault.count)
+        };
+        println!(
+            "fault: {} at {:.2} s: {}{times}",
+            fault.sensor, fault.first_s, fault.first_detail
+        );
     }
     if summary.quarantined > 0 {
-        println!("fault: {} numbers were not finite and were set aside", summary.quarantined);
+        println!(
+            "fault: {} numbers were not finite and were set aside",
+            summary.quarantined
+        );
     }
     let output = &engine.configuration().output;
     if !output.formats.is_empty() {
@@ -134,7 +147,15 @@ pub(crate) fn print(engine: &Engine, summary: &Summary) {
 fn print_timing(summary: &Summary) {
     println!("{:<16} {:>9} {:>7}", "stage", "seconds", "share");
     for stage in &summary.stages {
-        println!("{:<16} {:>9.3} {:>5.1} %", stage.stage, stage.seconds, 100.0 * stage.share);
+        println!(
+            "{:<16} {:>9.3} {:>5.1} %",
+            stage.stage,
+            stage.seconds,
+            100.0 * stage.share
+        );
     }
-    println!("{:<16} {:>9.3}  ({} threads)", "elapsed", summary.elapsed_s, summary.threads);
+    println!(
+        "{:<16} {:>9.3}  ({} threads)",
+        "elapsed", summary.elapsed_s, summary.threads
+    );
 }

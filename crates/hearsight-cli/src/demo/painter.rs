@@ -19,7 +19,10 @@ pub(crate) struct Painter {
 
 impl Painter {
     pub(crate) fn new(seed: u64) -> Self {
-        Self { wall: wall(), noise: Noise::new(seed) }
+        Self {
+            wall: wall(),
+            noise: Noise::new(seed),
+        }
     }
 
     /// Interleaved R, G, B of a frame; whoever is farther away is painted first.
@@ -31,7 +34,8 @@ impl Painter {
             for column in 0..WIDTH {
                 let mut colour = self.wall[row * WIDTH + column];
                 for &person in &order {
-                    if let Some(own) = figure(&people[person], COLOURS[person % 2], column as f64, row as f64) {
+                    if let Some(own) = figure(&people[person], COLOURS[person % 2], column as f64, row as f64)
+                    {
                         colour = own;
                     }
                 }
@@ -64,18 +68,29 @@ fn figure(person: &Truth, colours: [[f64; 3]; 3], column: f64, row: f64) -> Opti
     // Shoulders that slope, then straight down; stripes, so that clothes have texture.
     let half_width = if y < 0.27 { 0.06 + 1.6 * (y - 0.15) } else { 0.25 };
     (y > 0.15 && x.abs() < half_width).then(|| {
-        let stripe = if ((y * 40.0).floor() as i64).rem_euclid(3) == 0 { 0.8 } else { 1.0 };
+        let stripe = if ((y * 40.0).floor() as i64).rem_euclid(3) == 0 {
+            0.8
+        } else {
+            1.0
+        };
         clothes.map(|value| value * stripe * (1.0 - 0.5 * x.abs()))
     })
 }
 
 /// A wall with light from the left, a door and two pictures.
 fn wall() -> Vec<[f64; 3]> {
-    let frames = [(30..75, 28..62, [70.0, 100.0, 80.0]), (230..290, 22..58, [120.0, 90.0, 60.0])];
+    let frames = [
+        (30..75, 28..62, [70.0, 100.0, 80.0]),
+        (230..290, 22..58, [120.0, 90.0, 60.0]),
+    ];
     let pixel = |row: usize, column: usize| {
         let light = 1.0 - 0.25 * column as f64 / WIDTH as f64;
         let floor = row > 205;
-        let mut colour = if floor { [96.0, 84.0, 72.0] } else { [176.0, 178.0, 168.0] };
+        let mut colour = if floor {
+            [96.0, 84.0, 72.0]
+        } else {
+            [176.0, 178.0, 168.0]
+        };
         if (140..188).contains(&column) && (60..206).contains(&row) {
             colour = [126.0, 104.0, 82.0];
         }
@@ -87,5 +102,7 @@ fn wall() -> Vec<[f64; 3]> {
         let grain = 4.0 * ((row * 7 + column * 13) % 5) as f64 / 5.0;
         colour.map(|value| value * light + grain)
     };
-    (0..HEIGHT * WIDTH).map(|place| pixel(place / WIDTH, place % WIDTH)).collect()
+    (0..HEIGHT * WIDTH)
+        .map(|place| pixel(place / WIDTH, place % WIDTH))
+        .collect()
 }

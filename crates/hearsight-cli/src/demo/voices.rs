@@ -21,7 +21,11 @@ pub(crate) fn render(world: &World) -> impl Iterator<Item = [f32; 2]> {
         let mut heard = [0.0; 2];
         for (channel, microphone) in MICROPHONES_M.iter().enumerate() {
             for (voice, person) in voices.iter().zip(&people) {
-                let way: f64 = microphone.iter().zip(person.mouth_m).map(|(a, b)| (a - b).powi(2)).sum();
+                let way: f64 = microphone
+                    .iter()
+                    .zip(person.mouth_m)
+                    .map(|(a, b)| (a - b).powi(2))
+                    .sum();
                 let way_m = way.sqrt();
                 heard[channel] += at(voice, (time_s - way_m / SPEED_OF_SOUND_M_S) * rate) / way_m;
             }
@@ -45,7 +49,9 @@ fn voice(world: &World, person: usize) -> Vec<f64> {
         // Ten milliseconds from silence to full voice.
         loudness += ((if talking { 0.15 + 0.85 * syllable } else { 0.0 }) - loudness) / (0.01 * rate);
         phase += pitch_hz * (1.0 + 0.1 * (TAU * 0.9 * time_s).sin()) / rate;
-        let buzz: f64 = (1..=24).map(|k| (TAU * f64::from(k) * phase).sin() / f64::from(k)).sum();
+        let buzz: f64 = (1..=24)
+            .map(|k| (TAU * f64::from(k) * phase).sin() / f64::from(k))
+            .sum();
         let white = noise.normal();
         breath += 0.6 * (white - breath);
         loudness * (0.10 * buzz + 0.12 * breath)
@@ -59,9 +65,14 @@ fn at(signal: &[f64], place: f64) -> f64 {
     let part = place - index;
     let value = |offset: i64| {
         let at = index as i64 + offset;
-        usize::try_from(at).ok().and_then(|at| signal.get(at)).copied().unwrap_or(0.0)
+        usize::try_from(at)
+            .ok()
+            .and_then(|at| signal.get(at))
+            .copied()
+            .unwrap_or(0.0)
     };
     let (a, b, c, d) = (value(-1), value(0), value(1), value(2));
-    let slopes = 0.5 * (c - a) + part * (a - 2.5 * b + 2.0 * c - 0.5 * d + part * (1.5 * (b - c) + 0.5 * (d - a)));
+    let slopes =
+        0.5 * (c - a) + part * (a - 2.5 * b + 2.0 * c - 0.5 * d + part * (1.5 * (b - c) + 0.5 * (d - a)));
     b + part * slopes
 }

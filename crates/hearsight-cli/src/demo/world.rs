@@ -52,8 +52,11 @@ impl World {
 
     fn person(&self, person: usize, time_s: f64, talking: bool) -> Truth {
         // One walks on the left half, the other on the right half and a little farther away.
-        let (middle_m, reach_m, distance_m, period_s) =
-            if person == 0 { (-0.62, 0.42, 2.4, 6.3) } else { (0.68, 0.45, 2.8, 7.7) };
+        let (middle_m, reach_m, distance_m, period_s) = if person == 0 {
+            (-0.62, 0.36, 2.4, 6.3)
+        } else {
+            (0.68, 0.45, 2.8, 7.7)
+        };
         let phase = time_s / period_s * std::f64::consts::TAU;
         let x = middle_m + reach_m * phase.sin();
         let y = distance_m + 0.12 * (0.7 * phase).cos();
@@ -61,7 +64,12 @@ impl World {
         let u = WIDTH as f64 / 2.0 + x * scale_px;
         // The middle of the head is 6 cm above the mouth.
         let v = HEIGHT as f64 / 2.0 - (MOUTH_M + 0.06 - 1.4) * scale_px;
-        Truth { mouth_m: [x, y, MOUTH_M], head_px: [u, v], scale_px, talking }
+        Truth {
+            mouth_m: [x, y, MOUTH_M],
+            head_px: [u, v],
+            scale_px,
+            talking,
+        }
     }
 }
 

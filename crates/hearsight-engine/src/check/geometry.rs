@@ -16,43 +16,83 @@ const WIDEST_ARRAY_M: f64 = 10.0;
 
 pub(super) fn check(room: &Room, configuration: &ResolvedRoom, report: &mut CheckReport) {
     for (place, camera) in room.cameras.iter().enumerate() {
-        let paired: Vec<_> = room.arrays.iter().filter(|array| array.camera == Some(place)).collect();
+        let paired: Vec<_> = room
+            .arrays
+            .iter()
+            .filter(|array| array.camera == Some(place))
+            .collect();
         let Some(lens) = &camera.calibration else {
             let what = "no calibration".to_owned();
             match paired.first() {
                 Some(array) => {
                     let what = format!("{what}: where {} points in the picture is a guess", array.name);
-                    report.warn(&camera.name, "calibration", what, "give `calibration = \"<file>\"`");
+                    report.warn(
+                        &camera.name,
+                        "calibration",
+                        what,
+                        "give `calibration = \"<file>\"`",
+                    );
                 }
-                None => report.pass(&camera.name, "calibration", format!("{what}, none needed in the picture")),
+                None => report.pass(
+                    &camera.name,
+                    "calibration",
+                    format!("{what}, none needed in the picture"),
+                ),
             }
             continue;
         };
         check_lens(camera, lens, report);
-        let posed = configuration.cameras.get(place).and_then(|camera| camera.calibration.as_ref()?.pose);
+        let posed = configuration
+            .cameras
+            .get(place)
+            .and_then(|camera| camera.calibration.as_ref()?.pose);
         if posed.is_none() {
-            let cure = "add `position_m` and `look_at_m` to the calibration, or the pose that calibrating gave";
-            report.warn(&camera.name, "pose", "the calibration does not say where the camera is", cure);
+            let cure =
+                "add `position_m` and `look_at_m` to the calibration, or the pose that calibrating gave";
+            report.warn(
+                &camera.name,
+                "pose",
+                "the calibration does not say where the camera is",
+                cure,
+            );
             continue;
         }
         for array in paired.iter().filter(|array| !array.microphones.is_empty()) {
             let distance = centre(&array.microphones).distance_m(lens.centre());
             if distance > FARTHEST_M {
                 let what = format!("{distance:.1} m from {}, with which it is paired", array.name);
-                report.warn(&camera.name, "place", what, "check that both are in metres and in the same world");
+                report.warn(
+                    &camera.name,
+                    "place",
+                    what,
+                    "check that both are in metres and in the same world",
+                );
             } else {
-                report.pass(&camera.name, "place", format!("{distance:.2} m from {}", array.name));
+                report.pass(
+                    &camera.name,
+                    "place",
+                    format!("{distance:.2} m from {}", array.name),
+                );
             }
         }
     }
     for array in &room.arrays {
         if array.microphones.is_empty() {
             let cure = "give `microphones = [[x, y, z], ...]` in metres, one a channel";
-            report.warn(&array.name, "microphones", "no positions: delays say nothing of where", cure);
+            report.warn(
+                &array.name,
+                "microphones",
+                "no positions: delays say nothing of where",
+                cure,
+            );
             continue;
         }
         let widest = array.microphones.iter().enumerate().flat_map(|(place, one)| {
-            array.microphones.iter().take(place).map(|other| one.distance_m(*other))
+            array
+                .microphones
+                .iter()
+                .take(place)
+                .map(|other| one.distance_m(*other))
         });
         let widest = widest.fold(0.0, f64::max);
         if widest > WIDEST_ARRAY_M {
@@ -78,7 +118,12 @@ fn check_lens(camera: &CameraSensor, lens: &Camera, report: &mut CheckReport) {
         }
         Some(field) => {
             let what = format!("the focal length gives a picture {field:.0} degrees wide");
-            report.warn(name, "calibration", what, "check that it is in pixels of this resolution");
+            report.warn(
+                name,
+                "calibration",
+                what,
+                "check that it is in pixels of this resolution",
+            );
         }
         None => {
             let what = "the lens shows nothing at the edge of the picture";
@@ -87,7 +132,10 @@ fn check_lens(camera: &CameraSensor, lens: &Camera, report: &mut CheckReport) {
     }
     let middle = lens.model.projection().centre();
     if !lens.contains(middle) {
-        let what = format!("its centre ({:.0}, {:.0}) is outside the picture", middle.u, middle.v);
+        let what = format!(
+            "its centre ({:.0}, {:.0}) is outside the picture",
+            middle.u, middle.v
+        );
         report.warn(name, "calibration", what, "was it made at another resolution?");
     }
     let mut worst = 0.0_f64;
@@ -102,14 +150,21 @@ fn check_lens(camera: &CameraSensor, lens: &Camera, report: &mut CheckReport) {
     }
     if worst > ROUND_TRIP_PX {
         let what = format!("pixels do not come back from their rays ({worst:.1} pixels off)");
-        report.warn(name, "distortion", what, "the distortion folds back inside the picture: calibrate again");
+        report.warn(
+            name,
+            "distortion",
+            what,
+            "the distortion folds back inside the picture: calibrate again",
+        );
     } else {
         report.pass(name, "distortion", "every pixel has a ray and comes back");
     }
 }
 
 fn centre(points: &[WorldPoint]) -> WorldPoint {
-    let sum = points.iter().fold([0.0; 3], |sum, point| [sum[0] + point.0.x, sum[1] + point.0.y, sum[2] + point.0.z]);
+    let sum = points.iter().fold([0.0; 3], |sum, point| {
+        [sum[0] + point.0.x, sum[1] + point.0.y, sum[2] + point.0.z]
+    });
     let count = points.len().max(1) as f64;
     WorldPoint::new(sum[0] / count, sum[1] / count, sum[2] / count)
 }

@@ -5,10 +5,10 @@
 
 use super::CheckReport;
 use super::sound::Heard;
+use hearsight_core::DistortedPixel;
 use hearsight_core::microphones::MicrophoneArray;
 use hearsight_core::record::{BoxRecord, Scene, TrackPhase};
 use hearsight_core::room::{ArraySensor, CameraSensor, Room};
-use hearsight_core::DistortedPixel;
 
 /// Height of a head, metres: from its size in the picture follows its distance.
 const HEAD_HEIGHT_M: f64 = 0.24;
@@ -30,8 +30,12 @@ pub(super) struct Order {
 impl Order {
     /// Takes the delays around the time of a scene.
     pub(super) fn see(&mut self, room: &Room, heard: &Heard, scene: &Scene) {
-        let Some(array) = room.arrays.get(heard.array) else { return };
-        let Some(camera) = array.camera.and_then(|camera| room.cameras.get(camera)) else { return };
+        let Some(array) = room.arrays.get(heard.array) else {
+            return;
+        };
+        let Some(camera) = array.camera.and_then(|camera| room.cameras.get(camera)) else {
+            return;
+        };
         let half = heard.frame_s / 2.0;
         while let Some(delay) = heard.delays.get(self.next) {
             let offset = delay.time.seconds() - scene.time_s;
@@ -76,7 +80,8 @@ impl Order {
             "delays are {declared_ms:.2} ms off what is seen, {swapped_ms:.2} ms with the first two channels swapped"
         );
         if swapped < CLEARLY * declared {
-            let cure = "the channels seem the wrong way round: try `channels = [1, 0]`, or correct `microphones`";
+            let cure =
+                "the channels seem the wrong way round: try `channels = [1, 0]`, or correct `microphones`";
             report.warn(&array.name, ASPECT, what, cure);
         } else {
             report.pass(&array.name, ASPECT, what);

@@ -27,14 +27,27 @@ pub(super) struct Looker {
 impl Looker {
     pub(super) fn new(name: &str) -> Self {
         let name = name.to_owned();
-        Self { name, frames: 0, first: None, last: None, looked: 0, brightness: 0.0, deviation: 0.0 }
+        Self {
+            name,
+            frames: 0,
+            first: None,
+            last: None,
+            looked: 0,
+            brightness: 0.0,
+            deviation: 0.0,
+        }
     }
 
     pub(super) fn look(&mut self, frame: &VideoFrame) {
         if self.frames.is_multiple_of(LOOK_EVERY) && !frame.luma.is_empty() {
             let count = frame.luma.len() as f64;
             let mean = frame.luma.iter().map(|&value| f64::from(value)).sum::<f64>() / count;
-            let square = frame.luma.iter().map(|&value| (f64::from(value) - mean).powi(2)).sum::<f64>() / count;
+            let square = frame
+                .luma
+                .iter()
+                .map(|&value| (f64::from(value) - mean).powi(2))
+                .sum::<f64>()
+                / count;
             self.looked += 1;
             self.brightness += mean;
             self.deviation += square.sqrt();
@@ -52,19 +65,37 @@ impl Looker {
         let looked = self.looked.max(1) as f64;
         let (brightness, deviation) = (self.brightness / looked, self.deviation / looked);
         if brightness < DARK || deviation < FLAT {
-            let what = format!("nothing on the picture: mean {brightness:.0}, deviation {deviation:.1} of 255");
-            report.warn(&self.name, "picture", what, "check the lens, the light and the exposure");
+            let what =
+                format!("nothing on the picture: mean {brightness:.0}, deviation {deviation:.1} of 255");
+            report.warn(
+                &self.name,
+                "picture",
+                what,
+                "check the lens, the light and the exposure",
+            );
         } else {
-            report.pass(&self.name, "picture", format!("mean {brightness:.0}, deviation {deviation:.0} of 255"));
+            report.pass(
+                &self.name,
+                "picture",
+                format!("mean {brightness:.0}, deviation {deviation:.0} of 255"),
+            );
         }
         let nominal = 1.0 / camera.interval.seconds();
         let rate = (self.frames - 1) as f64 / (last - first).seconds();
         if self.frames > 2 && (rate / nominal - 1.0).abs() > RATE_TOLERANCE {
             let what = format!("{rate:.2} frames a second came, {nominal:.2} were promised");
-            report.warn(&self.name, "rate", what, "frames are missing or the time stamps are wrong: record again");
+            report.warn(
+                &self.name,
+                "rate",
+                what,
+                "frames are missing or the time stamps are wrong: record again",
+            );
         } else {
             let (first, last) = (first.seconds(), last.seconds());
-            let what = format!("{} frames from {first:.2} s to {last:.2} s, {nominal:.2} a second", self.frames);
+            let what = format!(
+                "{} frames from {first:.2} s to {last:.2} s, {nominal:.2} a second",
+                self.frames
+            );
             report.pass(&self.name, "frames", what);
         }
     }

@@ -59,7 +59,10 @@ impl fmt::Display for Field {
 impl Document {
     /// A document from its name (as errors show it) and text.
     pub(crate) fn new(name: &str, text: &str) -> Self {
-        Self { name: name.to_owned(), text: text.to_owned() }
+        Self {
+            name: name.to_owned(),
+            text: text.to_owned(),
+        }
     }
 
     /// What errors call the file.
@@ -74,18 +77,33 @@ impl Document {
 
     /// An error at `field`: "`<file>: <field>: <what>`", pointing at the field or the nearest part of the way to it
     /// that the text has.
-    pub(crate) fn error(&self, field: &Field, what: impl fmt::Display, cure: impl Into<String>) -> ConfigurationError {
+    pub(crate) fn error(
+        &self,
+        field: &Field,
+        what: impl fmt::Display,
+        cure: impl Into<String>,
+    ) -> ConfigurationError {
         let separator = if field.0.is_empty() { "" } else { ": " };
         let message = format!("{}: {field}{separator}{what}", self.name);
         self.raw_error(message, self.span(field), Some(cure.into()))
     }
 
     /// An error at a known place.
-    pub(crate) fn error_at(&self, span: Option<Range<usize>>, what: &str, cure: Option<String>) -> ConfigurationError {
+    pub(crate) fn error_at(
+        &self,
+        span: Option<Range<usize>>,
+        what: &str,
+        cure: Option<String>,
+    ) -> ConfigurationError {
         self.raw_error(format!("{}: {what}", self.name), span, cure)
     }
 
-    fn raw_error(&self, message: String, span: Option<Range<usize>>, cure: Option<String>) -> ConfigurationError {
+    fn raw_error(
+        &self,
+        message: String,
+        span: Option<Range<usize>>,
+        cure: Option<String>,
+    ) -> ConfigurationError {
         ConfigurationError::from(Problem {
             message,
             text: NamedSource::new(&self.name, self.text.clone()).with_language("toml"),
@@ -98,7 +116,9 @@ impl Document {
     fn span(&self, field: &Field) -> Option<Range<usize>> {
         let root = DeTable::parse(&self.text).ok()?;
         let mut steps = field.0.iter();
-        let Some(Step::Key(first)) = steps.next() else { return None };
+        let Some(Step::Key(first)) = steps.next() else {
+            return None;
+        };
         let mut value = root.get_ref().get(first.as_str())?;
         for step in steps {
             let next = match (step, value.get_ref()) {

@@ -33,7 +33,9 @@ pub(super) fn calibration(
                 Some(name) => Some(CalibrationFormat::named(name).ok_or_else(|| {
                     let known: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
                     let what = format!("there is no calibration format `{name}`");
-                    resolver.document.error(&field.key("format"), what, suggest(name, &known))
+                    resolver
+                        .document
+                        .error(&field.key("format"), what, suggest(name, &known))
                 })?),
                 None => None,
             };
@@ -43,8 +45,7 @@ pub(super) fn calibration(
             let cameras = toml::Value::Array(vec![toml::Value::Table(table.clone())]);
             let file = toml::Table::from_iter([("camera".to_owned(), cameras)]);
             let name = Path::new(resolver.document.name());
-            parse_camera(&file.to_string(), name, CalibrationFormat::named("hearsight"), 0)
-                .map_err(failed)
+            parse_camera(&file.to_string(), name, CalibrationFormat::named("hearsight"), 0).map_err(failed)
         }
     }
 }
@@ -72,22 +73,34 @@ pub(super) fn microphones(
         let at = at.index(place);
         let &[x, y, z] = position.as_slice() else {
             let what = format!("microphone {place} has {} coordinates", position.len());
-            return Err(resolver.document.error(&at, what, "give three, [x, y, z], in metres"));
+            return Err(resolver
+                .document
+                .error(&at, what, "give three, [x, y, z], in metres"));
         };
-        if !position.iter().all(|value| value.is_finite() && value.abs() <= LARGEST_COORDINATE_M) {
+        if !position
+            .iter()
+            .all(|value| value.is_finite() && value.abs() <= LARGEST_COORDINATE_M)
+        {
             let what = format!("microphone {place} is at {position:?}, which is in no room");
-            return Err(resolver.document.error(&at, what, "give finite coordinates in metres"));
+            return Err(resolver
+                .document
+                .error(&at, what, "give finite coordinates in metres"));
         }
         Ok(WorldPoint::new(x, y, z))
     });
     let points = points.collect::<Result<Vec<_>, _>>()?;
     if points.is_empty() {
-        return Err(resolver.document.error(&at, "is empty", "list one position a channel, or leave it out"));
+        return Err(resolver
+            .document
+            .error(&at, "is empty", "list one position a channel, or leave it out"));
     }
     for (place, point) in points.iter().enumerate() {
         for (other, earlier) in points.iter().take(place).enumerate() {
             if point.distance_m(*earlier) < SMALLEST_BASELINE_M {
-                let what = format!("microphones {other} and {place} are at one place, {:?}", positions[place]);
+                let what = format!(
+                    "microphones {other} and {place} are at one place, {:?}",
+                    positions[place]
+                );
                 let cure = "measure the positions in metres: an array of zero size hears no direction";
                 return Err(resolver.document.error(&at, what, cure));
             }
@@ -99,7 +112,9 @@ pub(super) fn microphones(
 #[derive(serde::Deserialize)]
 #[serde(untagged)]
 enum MicrophonesFile {
-    Named { arrays_m: BTreeMap<String, Vec<Vec<f64>>> },
+    Named {
+        arrays_m: BTreeMap<String, Vec<Vec<f64>>>,
+    },
     Single(Vec<Vec<f64>>),
 }
 
@@ -113,7 +128,11 @@ fn microphones_file(
     let shown = path.display();
     let text = std::fs::read_to_string(&path).map_err(|error| {
         let what = format!("{shown} cannot be read: {error}");
-        resolver.document.error(&field.key("file"), what, "check the path; it is relative to this file")
+        resolver.document.error(
+            &field.key("file"),
+            what,
+            "check the path; it is relative to this file",
+        )
     })?;
     let content: MicrophonesFile = serde_json::from_str(&text).map_err(|_| {
         let what = format!("{shown} holds no positions of microphones");
@@ -127,7 +146,9 @@ fn microphones_file(
             arrays_m.remove(wanted).ok_or_else(|| {
                 let known: Vec<&str> = arrays_m.keys().map(String::as_str).collect();
                 let what = format!("{shown} has no array `{wanted}`");
-                resolver.document.error(&field.key("array"), what, suggest(wanted, &known))
+                resolver
+                    .document
+                    .error(&field.key("array"), what, suggest(wanted, &known))
             })
         }
     }

@@ -49,11 +49,15 @@ fn set(table: &mut toml::Table, key: &str, value: toml::Value) -> Result<(), Str
     let mut at = table;
     let mut steps = steps.into_iter().peekable();
     while let Some(step) = steps.next() {
-        let entry = at.entry(step).or_insert_with(|| toml::Value::Table(toml::Table::new()));
+        let entry = at
+            .entry(step)
+            .or_insert_with(|| toml::Value::Table(toml::Table::new()));
         at = match entry {
             toml::Value::Table(inner) => inner,
             toml::Value::Array(list) => {
-                let which = steps.next().ok_or_else(|| format!("`{step}` is a list: name one, as in `{step}.0.{last}`"))?;
+                let which = steps
+                    .next()
+                    .ok_or_else(|| format!("`{step}` is a list: name one, as in `{step}.0.{last}`"))?;
                 element(list, which).ok_or_else(|| format!("`{step}` has no element `{which}`"))?
             }
             _ => return Err(format!("`{step}` is a value, not a table")),
@@ -66,7 +70,9 @@ fn set(table: &mut toml::Table, key: &str, value: toml::Value) -> Result<(), Str
 fn element<'a>(list: &'a mut [toml::Value], which: &str) -> Option<&'a mut toml::Table> {
     let place = match which.parse::<usize>() {
         Ok(place) => place,
-        Err(_) => list.iter().position(|entry| entry.get("name").and_then(toml::Value::as_str) == Some(which))?,
+        Err(_) => list
+            .iter()
+            .position(|entry| entry.get("name").and_then(toml::Value::as_str) == Some(which))?,
     };
     list.get_mut(place)?.as_table_mut()
 }
@@ -82,21 +88,41 @@ fn explain(document: &Document, error: &toml::de::Error) -> ConfigurationError {
 }
 
 fn clip(text: &str, span: Range<usize>) -> Range<usize> {
-    let length = text.get(span.clone()).and_then(|part| part.lines().next()).map_or(0, str::len);
+    let length = text
+        .get(span.clone())
+        .and_then(|part| part.lines().next())
+        .map_or(0, str::len);
     span.start..span.start + length
 }
+
+/// What people call the types of the language.
+const TYPES: [(&str, &str); 5] = [
+    ("f64", "a number"),
+    ("a boolean", "true or false"),
+    ("usize", "a whole number"),
+    ("u32", "a whole number"),
+    ("u64", "a whole number"),
+];
 
 /// What serde says of an unknown field, in our words and with a suggestion.
 pub(crate) fn explain_message(message: &str) -> (String, Option<String>) {
     let message = message.trim();
     for (start, kind) in [("unknown field `", "key"), ("unknown variant `", "value")] {
-        let Some(rest) = message.find(start).and_then(|at| message.get(at + start.len()..)) else { continue };
+        let Some(rest) = message.find(start).and_then(|at| message.get(at + start.len()..)) else {
+            continue;
+        };
         let mut words = rest.split('`');
         let Some(word) = words.next() else { continue };
         let known: Vec<&str> = words.skip(1).step_by(2).collect();
         return (format!("unknown {kind} `{word}`"), Some(suggest(word, &known)));
     }
-    (message.lines().collect::<Vec<_>>().join(" "), None)
+    let mut message = message.lines().collect::<Vec<_>>().join(" ");
+    for (type_name, words) in TYPES {
+        if let Some(start) = message.strip_suffix(&format!("expected {type_name}")) {
+            message = format!("{start}expected {words}");
+        }
+    }
+    (message, None)
 }
 
 /// The JSON schema of a `room.toml`, generated from the types. Parameters of systems have schemas of their own.
@@ -127,7 +153,11 @@ mod tests {
         let error = parse("room.toml", "[[camera]]\nname = 'a'\nfil = 'a.avi'\n", &vec![]).unwrap_err();
         assert_eq!(error.line_and_column(), Some((3, 1)));
         assert!(error.message.contains("unknown key `fil`"), "{error}");
-        assert!(error.cure.as_deref().is_some_and(|cure| cure.contains("`file`")), "{:?}", error.cure);
+        assert!(
+            error.cure.as_deref().is_some_and(|cure| cure.contains("`file`")),
+            "{:?}",
+            error.cure
+        );
     }
 
     #[test]

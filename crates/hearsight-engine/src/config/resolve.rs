@@ -1,6 +1,7 @@
 //! Raw configuration to resolved objects: defaults, files of geometry, and whether it all makes sense.
 
 use super::document::{Document, Field, suggest};
+use super::parameters::Checker;
 use super::parse::{Overrides, parse};
 use super::problem::ConfigurationError;
 use super::raw::{RawRoom, RawRun, RawSystem};
@@ -32,16 +33,22 @@ pub fn load(path: &Path, overrides: &Overrides) -> Result<ResolvedRoom, Configur
     let name = path.display().to_string();
     let text = std::fs::read_to_string(path).map_err(|error| {
         let cure = match error.kind() {
-            std::io::ErrorKind::NotFound => "check the path; `hearsight track --help` shows what a room file looks like",
+            std::io::ErrorKind::NotFound => {
+                "check the path; `hearsight track --help` shows what a room file looks like"
+            }
             std::io::ErrorKind::IsADirectory => "name the room.toml inside the directory",
-            std::io::ErrorKind::InvalidData => "a room file is text (TOML, UTF-8), not a recording: name the recording in it",
+            std::io::ErrorKind::InvalidData => {
+                "a room file is text (TOML, UTF-8), not a recording: name the recording in it"
+            }
             _ => "check that the file may be read",
         };
         Document::new(&name, "").error(&Field::default(), format!("cannot be read: {error}"), cure)
     })?;
     let raw = parse(&name, &text, overrides)?;
     let directory = path.parent().unwrap_or(Path::new("")).to_path_buf();
-    let stem = path.file_stem().map_or_else(|| "room".into(), |stem| stem.to_string_lossy().into_owned());
+    let stem = path
+        .file_stem()
+        .map_or_else(|| "room".into(), |stem| stem.to_string_lossy().into_owned());
     resolve(&raw, &name, &text, &directory, &stem)
 }
 
@@ -57,7 +64,10 @@ pub fn resolve(
     directory: &Path,
     room_name: &str,
 ) -> Result<ResolvedRoom, ConfigurationError> {
-    let resolver = Resolver { document: Document::new(name, text), directory: directory.to_path_buf() };
+    let resolver = Resolver {
+        document: Document::new(name, text),
+        directory: directory.to_path_buf(),
+    };
     resolver.room(raw, room_name)
 }
 
@@ -75,27 +85,43 @@ impl Resolver {
     fn room(&self, raw: &RawRoom, room_name: &str) -> Result<ResolvedRoom, ConfigurationError> {
         if raw.camera.is_empty() && raw.array.is_empty() {
             let cure = "add a camera: [[camera]] with file = \"video.avi\"";
-            return Err(self.document.error(&Field::default(), "names no camera and no microphone array", cure));
+            return Err(self.document.error(
+                &Field::default(),
+                "names no camera and no microphone array",
+                cure,
+            ));
         }
         let name = raw.name.clone().unwrap_or_else(|| room_name.to_owned());
         self.good_name(&Field::of("name"), &name)?;
         let speed = raw.speed_of_sound.unwrap_or(SPEED_OF_SOUND_M_S);
         if !(speed.is_finite() && (100.0..=10_000.0).contains(&speed)) {
             let what = format!("{speed} metres a second is no speed of sound");
-            return Err(self.document.error(&Field::of("speed_of_sound"), what, "air at 20 degrees has 343"));
+            return Err(self
+                .document
+                .error(&Field::of("speed_of_sound"), what, "air at 20 degrees has 343"));
         }
         let mut taken = BTreeMap::new();
         let mut cameras = Vec::new();
         for (place, camera) in raw.camera.iter().enumerate() {
             let field = Field::of("camera").index(place);
-            let name = self.sensor_name(&field, camera.name.as_deref(), format!("cam{}", place + 1), &mut taken)?;
+            let name = self.sensor_name(
+                &field,
+                camera.name.as_deref(),
+                format!("cam{}", place + 1),
+                &mut taken,
+            )?;
             cameras.push(self.camera(&field, camera, name)?);
         }
         let camera_names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
         let mut arrays = Vec::new();
         for (place, array) in raw.array.iter().enumerate() {
             let field = Field::of("array").index(place);
-            let name = self.sensor_name(&field, array.name.as_deref(), format!("array{}", place + 1), &mut taken)?;
+            let name = self.sensor_name(
+                &field,
+                array.name.as_deref(),
+                format!("array{}", place + 1),
+                &mut taken,
+            )?;
             arrays.push(self.array(&field, array, name, &camera_names)?);
         }
         Ok(ResolvedRoom {
@@ -111,13 +137,19 @@ impl Resolver {
 
     /// Names become names of files and columns of text formats.
     fn good_name(&self, field: &Field, name: &str) -> Result<(), ConfigurationError> {
-        let bad = name.chars().find(|&c| c.is_whitespace() || c.is_control() || "/\\,".contains(c));
+        let bad = name
+            .chars()
+            .find(|&c| c.is_whitespace() || c.is_control() || "/\\,".contains(c));
         let what = match bad {
             None if !name.is_empty() && !name.starts_with('.') => return Ok(()),
             None => format!("`{name}` is no name"),
             Some(bad) => format!("the name `{name}` contains {bad:?}"),
         };
-        Err(self.document.error(field, what, "names become names of files: use letters, digits, `-` and `_`"))
+        Err(self.document.error(
+            field,
+            what,
+            "names become names of files: use letters, digits, `-` and `_`",
+        ))
     }
 
     fn sensor_name(
@@ -132,28 +164,41 @@ impl Resolver {
         self.good_name(&at, &name)?;
         if let Some(other) = taken.insert(name.clone(), field.clone()) {
             let what = format!("`{name}` is already the name of {other}");
-            return Err(self.document.error(&at, what, "give every sensor a name of its own"));
+            return Err(self
+                .document
+                .error(&at, what, "give every sensor a name of its own"));
         }
         Ok(name)
     }
 
-    pub(super) fn time(&self, field: &Field, seconds: Option<f64>) -> Result<Option<Instant>, ConfigurationError> {
+    pub(super) fn time(
+        &self,
+        field: &Field,
+        seconds: Option<f64>,
+    ) -> Result<Option<Instant>, ConfigurationError> {
         match seconds {
             Some(value) if !(value.is_finite() && value.abs() <= LONGEST_TIME_S) => {
                 let what = format!("{value} is not a time");
-                Err(self.document.error(field, what, "give seconds on the common clock"))
+                Err(self
+                    .document
+                    .error(field, what, "give seconds on the common clock"))
             }
             value => Ok(value.map(Instant::from_seconds)),
         }
     }
 
     fn system(&self, raw: &RawSystem) -> Result<ResolvedSystem, ConfigurationError> {
-        let known: Vec<&str> = hearsight_systems::REGISTRY.iter().map(|system| system.name).collect();
+        let known: Vec<&str> = hearsight_systems::REGISTRY
+            .iter()
+            .map(|system| system.name)
+            .collect();
         let field = Field::of("system");
         let name = raw.name.clone().unwrap_or_else(|| DEFAULT_SYSTEM.to_owned());
         if !known.contains(&name.as_str()) {
             let what = format!("there is no system `{name}`");
-            return Err(self.document.error(&field.key("name"), what, suggest(&name, &known)));
+            return Err(self
+                .document
+                .error(&field.key("name"), what, suggest(&name, &known)));
         }
         for (key, value) in &raw.parameters {
             let at = field.key(key);
@@ -165,43 +210,48 @@ impl Resolver {
             }
             if !value.is_table() {
                 let what = format!("is {}, not a table", value.type_str());
-                return Err(self.document.error(&at, what, format!("write [system.{key}] and the parameters below")));
+                return Err(self.document.error(
+                    &at,
+                    what,
+                    format!("write [system.{key}] and the parameters below"),
+                ));
             }
         }
-        self.parameters(&field.key(&name), &name, raw.parameters.get(&name))?;
-        let parameters = match raw.parameters.get(&name) {
+        let given = match raw.parameters.get(&name) {
             Some(table) => serde_json::to_value(table).map_err(|error| {
-                self.document.error(&field.key(&name), error, "use numbers, text, lists and tables")
+                self.document
+                    .error(&field.key(&name), error, "use numbers, text, lists and tables")
             })?,
             None => serde_json::Value::Object(serde_json::Map::new()),
         };
-        Ok(ResolvedSystem { name, parameters })
-    }
-
-    /// Refuses parameters that the system does not have; their values are its own to judge.
-    fn parameters(&self, field: &Field, name: &str, raw: Option<&toml::Value>) -> Result<(), ConfigurationError> {
-        let schema = hearsight_systems::REGISTRY.iter().find(|system| system.name == name);
-        let schema = schema.map_or(serde_json::Value::Null, |system| (system.parameters)());
-        let Some(known) = schema.get("properties").and_then(serde_json::Value::as_object) else { return Ok(()) };
-        let known: Vec<&str> = known.keys().map(String::as_str).collect();
-        let unknown = raw.and_then(toml::Value::as_table).into_iter().flat_map(toml::Table::keys);
-        match unknown.into_iter().find(|key| !known.contains(&key.as_str())) {
-            None => Ok(()),
-            Some(key) => {
-                let what = format!("the system {name} has no parameter `{key}`");
-                Err(self.document.error(&field.key(key), what, suggest(key, &known)))
-            }
+        let mut parameters = given.clone();
+        if let Some(system) = hearsight_systems::REGISTRY
+            .iter()
+            .find(|system| system.name == name)
+        {
+            let checker = Checker::new(&self.document, (system.parameters)());
+            checker.check(&field.key(&name), &given)?;
+            parameters = checker.with_defaults(&given);
         }
+        Ok(ResolvedSystem {
+            name,
+            given,
+            parameters,
+        })
     }
 
     fn output(&self, raw: &RawRoom) -> Result<ResolvedOutput, ConfigurationError> {
         let field = Field::of("output");
-        let mut formats: BTreeSet<&'static str> =
-            sinks::registry().iter().filter(|sink| sink.default).map(|sink| sink.name).collect();
+        let mut formats: BTreeSet<&'static str> = sinks::registry()
+            .iter()
+            .filter(|sink| sink.default)
+            .map(|sink| sink.name)
+            .collect();
         for (key, value) in &raw.output.formats {
             let Some(sink) = sinks::registry().iter().find(|sink| sink.name == key) else {
-                let known: Vec<&str> =
-                    std::iter::once("directory").chain(sinks::registry().iter().map(|sink| sink.name)).collect();
+                let known: Vec<&str> = std::iter::once("directory")
+                    .chain(sinks::registry().iter().map(|sink| sink.name))
+                    .collect();
                 let what = format!("unknown key `{key}`");
                 return Err(self.document.error(&field.key(key), what, suggest(key, &known)));
             };
@@ -220,17 +270,23 @@ impl Resolver {
 
     fn run(&self, raw: &RawRun) -> Result<ResolvedRun, ConfigurationError> {
         let field = Field::of("run");
-        let (from, until) = (self.time(&field.key("from"), raw.from)?, self.time(&field.key("until"), raw.until)?);
+        let (from, until) = (
+            self.time(&field.key("from"), raw.from)?,
+            self.time(&field.key("until"), raw.until)?,
+        );
         if let (Some(from), Some(until)) = (from, until)
             && until <= from
         {
             let what = format!("{} s is not after `from`, {} s", until.seconds(), from.seconds());
-            return Err(self.document.error(&field.key("until"), what, "end later, or begin earlier"));
+            return Err(self
+                .document
+                .error(&field.key("until"), what, "end later, or begin earlier"));
         }
         let tick = match raw.tick {
             Some(tick) if !(tick.is_finite() && (1e-4..=60.0).contains(&tick)) => {
                 let what = format!("{tick} s is no tick");
-                let cure = "give seconds from 0.0001 to 60, or leave it out for the fastest camera's interval";
+                let cure =
+                    "give seconds from 0.0001 to 60, or leave it out for the fastest camera's interval";
                 return Err(self.document.error(&field.key("tick"), what, cure));
             }
             tick => tick.map(Span::from_seconds),
@@ -240,9 +296,17 @@ impl Resolver {
             threads @ 1..=1024 => threads,
             threads => {
                 let what = format!("{threads} threads are too many");
-                return Err(self.document.error(&field.key("threads"), what, "0 takes one a processor"));
+                return Err(self
+                    .document
+                    .error(&field.key("threads"), what, "0 takes one a processor"));
             }
         };
-        Ok(ResolvedRun { seed: raw.seed.unwrap_or(DEFAULT_SEED), threads, from, until, tick })
+        Ok(ResolvedRun {
+            seed: raw.seed.unwrap_or(DEFAULT_SEED),
+            threads,
+            from,
+            until,
+            tick,
+        })
     }
 }

@@ -46,8 +46,8 @@ pub struct ResolvedCamera {
     pub name: String,
     /// Where the frames come from.
     pub input: Input,
-    /// When the first frame was taken, nanoseconds on the common clock; nothing for a live source that starts on
-    /// arrival.
+    /// When the first frame was taken; nothing for a live source that starts on arrival.
+    #[serde(rename = "start_s", serialize_with = "write_time")]
     pub start: Option<Instant>,
     /// How much faster than the common clock the camera's clock runs, parts per million.
     pub drift_ppm: f64,
@@ -71,8 +71,8 @@ pub struct ResolvedArray {
     pub name: String,
     /// Where the samples come from.
     pub input: Input,
-    /// When the first sample was taken, nanoseconds on the common clock; nothing for a live source that starts on
-    /// arrival.
+    /// When the first sample was taken; nothing for a live source that starts on arrival.
+    #[serde(rename = "start_s", serialize_with = "write_time")]
     pub start: Option<Instant>,
     /// How much faster than the common clock the array's clock runs, parts per million.
     pub drift_ppm: f64,
@@ -97,7 +97,10 @@ pub struct ResolvedArray {
 pub struct ResolvedSystem {
     /// Its name.
     pub name: String,
-    /// Its parameters, as given; the system fills in its defaults.
+    /// Its parameters, as given.
+    #[serde(skip)]
+    pub given: serde_json::Value,
+    /// Its parameters with every default, for people to read.
     pub parameters: serde_json::Value,
 }
 
@@ -117,11 +120,14 @@ pub struct ResolvedRun {
     pub seed: u64,
     /// Threads for tracking, at least 1.
     pub threads: usize,
-    /// Where to begin, nanoseconds on the common clock; nothing for where the first sensor begins.
+    /// Where to begin; nothing for where the first sensor begins.
+    #[serde(rename = "from_s", serialize_with = "write_time")]
     pub from: Option<Instant>,
-    /// Where to end, nanoseconds on the common clock; nothing for where the last sensor ends.
+    /// Where to end; nothing for where the last sensor ends.
+    #[serde(rename = "until_s", serialize_with = "write_time")]
     pub until: Option<Instant>,
-    /// Time from tick to tick, nanoseconds; nothing for the fastest camera's interval.
+    /// Time from tick to tick; nothing for the fastest camera's interval.
+    #[serde(rename = "tick_s", serialize_with = "write_span")]
     pub tick: Option<Span>,
 }
 
@@ -161,7 +167,18 @@ impl ResolvedArray {
     }
 }
 
-fn write_calibration<S: Serializer>(calibration: &Option<Calibration>, serializer: S) -> Result<S::Ok, S::Error> {
+fn write_time<S: Serializer>(time: &Option<Instant>, serializer: S) -> Result<S::Ok, S::Error> {
+    time.map(Instant::seconds).serialize(serializer)
+}
+
+fn write_span<S: Serializer>(span: &Option<Span>, serializer: S) -> Result<S::Ok, S::Error> {
+    span.map(Span::seconds).serialize(serializer)
+}
+
+fn write_calibration<S: Serializer>(
+    calibration: &Option<Calibration>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
     #[derive(Serialize)]
     struct Written<'a> {
         file: &'a std::path::Path,

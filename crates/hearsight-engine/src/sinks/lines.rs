@@ -20,7 +20,11 @@ impl Lines {
     /// Makes or empties the file.
     pub(super) fn create(path: PathBuf) -> Result<Self, SinkError> {
         let file = File::create(&path).map_err(|error| SinkError::new(&path, error))?;
-        Ok(Self { path, file, buffer: Vec::new() })
+        Ok(Self {
+            path,
+            file,
+            buffer: Vec::new(),
+        })
     }
 
     /// Where the file is.
@@ -32,12 +36,19 @@ impl Lines {
     pub(super) fn line(&mut self, line: &[u8]) -> Result<(), SinkError> {
         self.buffer.extend_from_slice(line);
         self.buffer.push(b'\n');
-        if self.buffer.len() >= BUFFER_BYTES { self.flush() } else { Ok(()) }
+        if self.buffer.len() >= BUFFER_BYTES {
+            self.flush()
+        } else {
+            Ok(())
+        }
     }
 
     /// Brings everything to the disk.
     pub(super) fn flush(&mut self) -> Result<(), SinkError> {
-        let result = self.file.write_all(&self.buffer).map_err(|error| SinkError::new(&self.path, error));
+        let result = self
+            .file
+            .write_all(&self.buffer)
+            .map_err(|error| SinkError::new(&self.path, error));
         self.buffer.clear();
         result
     }

@@ -23,7 +23,10 @@ fn open(context: &SinkContext<'_>) -> Result<Box<dyn Sink>, SinkError> {
         let path = context.directory.join(format!("{}.mot.txt", camera.name));
         Ok((camera.name.clone(), Lines::create(path)?))
     });
-    Ok(Box::new(Mot { files: files.collect::<Result<_, _>>()?, text: Vec::new() }))
+    Ok(Box::new(Mot {
+        files: files.collect::<Result<_, _>>()?,
+        text: Vec::new(),
+    }))
 }
 
 struct Mot {
@@ -36,7 +39,12 @@ impl Sink for Mot {
     fn write(&mut self, tick: Tick<'_>) -> Result<(), SinkError> {
         for ((camera, lines), observed) in self.files.iter_mut().zip(&tick.moment.video) {
             let Some(frame) = observed.get() else { continue };
-            for track in tick.scene.tracks.iter().filter(|track| track.phase == TrackPhase::Visible) {
+            for track in tick
+                .scene
+                .tracks
+                .iter()
+                .filter(|track| track.phase == TrackPhase::Visible)
+            {
                 for view in track.views.iter().filter(|view| view.camera == *camera) {
                     let head = view.head;
                     self.text.clear();

@@ -23,12 +23,22 @@ const OUTLINE_PX: f32 = 1.5;
 fn open(context: &SinkContext<'_>) -> Result<Box<dyn Sink>, SinkError> {
     let videos = context.room.cameras.iter().map(|camera| {
         let path = context.directory.join(format!("{}.mp4", camera.name));
-        let options = OverlayOptions { interval: camera.interval, ..OverlayOptions::default() };
+        let options = OverlayOptions {
+            interval: camera.interval,
+            ..OverlayOptions::default()
+        };
         let writer = OverlayWriter::create(&path, camera.width, camera.height, &options)
             .map_err(|error| SinkError::new(&path, error))?;
-        Ok(Video { camera: camera.name.clone(), path, writer: Some(writer) })
+        Ok(Video {
+            camera: camera.name.clone(),
+            path,
+            writer: Some(writer),
+        })
     });
-    Ok(Box::new(Overlay { videos: videos.collect::<Result<_, _>>()?, rgb: Vec::new() }))
+    Ok(Box::new(Overlay {
+        videos: videos.collect::<Result<_, _>>()?,
+        rgb: Vec::new(),
+    }))
 }
 
 struct Overlay {
@@ -46,7 +56,9 @@ struct Video {
 impl Sink for Overlay {
     fn write(&mut self, tick: Tick<'_>) -> Result<(), SinkError> {
         for (number, (video, observed)) in self.videos.iter_mut().zip(&tick.moment.video).enumerate() {
-            let (Some(frame), Some(writer)) = (observed.get(), video.writer.as_mut()) else { continue };
+            let (Some(frame), Some(writer)) = (observed.get(), video.writer.as_mut()) else {
+                continue;
+            };
             self.rgb.clone_from(&frame.rgb);
             if let Some(mut canvas) = Canvas::new(frame.width, frame.height, &mut self.rgb) {
                 draw_strip(&mut canvas, tick.system.correlation_strip(number));
@@ -56,8 +68,14 @@ impl Sink for Overlay {
                     }
                 }
             }
-            let picture = RgbView { width: frame.width, height: frame.height, data: &self.rgb };
-            writer.write(frame.time, picture).map_err(|error| SinkError::new(&video.path, error))?;
+            let picture = RgbView {
+                width: frame.width,
+                height: frame.height,
+                data: &self.rgb,
+            };
+            writer
+                .write(frame.time, picture)
+                .map_err(|error| SinkError::new(&video.path, error))?;
         }
         Ok(())
     }
@@ -97,12 +115,22 @@ fn draw_head(canvas: &mut Canvas<'_>, track: &TrackRecord, view: &ViewRecord) {
         TrackPhase::Visible => canvas.outline(&head, OUTLINE_PX, color),
         TrackPhase::Occluded => draw_corners(canvas, &head, color),
     }
-    let label = if track.speaking { format!("{} speaks", track.id) } else { track.id.to_string() };
+    let label = if track.speaking {
+        format!("{} speaks", track.id)
+    } else {
+        track.id.to_string()
+    };
     canvas.label(head.left, head.top - 10.0, 1, [255, 255, 255], color, &label);
     if track.speaking {
         let (x, _) = head.centre();
         let radius = (head.width / 6.0).max(3.0);
-        canvas.ellipse((x, head.top - 16.0 - radius), (radius, radius), 0.0, 2.0, [255, 220, 0]);
+        canvas.ellipse(
+            (x, head.top - 16.0 - radius),
+            (radius, radius),
+            0.0,
+            2.0,
+            [255, 220, 0],
+        );
     }
 }
 

@@ -42,7 +42,10 @@ impl Sink for Report {
     }
 
     fn finish(&mut self, summary: &Summary) -> Result<(), SinkError> {
-        let content = Content { summary, configuration: &self.configuration };
+        let content = Content {
+            summary,
+            configuration: &self.configuration,
+        };
         let mut text =
             serde_json::to_string_pretty(&content).map_err(|error| SinkError::new(&self.path, error))?;
         text.push('\n');

@@ -13,7 +13,10 @@ pub(super) const INFO: SinkInfo = SinkInfo {
 };
 
 fn open(context: &SinkContext<'_>) -> Result<Box<dyn Sink>, SinkError> {
-    Ok(Box::new(Scenes { lines: Lines::create(context.directory.join(INFO.file))?, text: Vec::new() }))
+    Ok(Box::new(Scenes {
+        lines: Lines::create(context.directory.join(INFO.file))?,
+        text: Vec::new(),
+    }))
 }
 
 struct Scenes {

@@ -40,9 +40,17 @@ struct Interval {
 
 impl Speech {
     fn close(&mut self) -> Result<(), SinkError> {
-        let Some(Interval { track, start_s, end_s }) = self.speaking.take() else { return Ok(()) };
+        let Some(Interval {
+            track,
+            start_s,
+            end_s,
+        }) = self.speaking.take()
+        else {
+            return Ok(());
+        };
         let (recording, duration_s) = (&self.recording, end_s - start_s);
-        let line = format!("SPEAKER {recording} 1 {start_s:.3} {duration_s:.3} <NA> <NA> track{track} <NA> <NA>");
+        let line =
+            format!("SPEAKER {recording} 1 {start_s:.3} {duration_s:.3} <NA> <NA> track{track} <NA> <NA>");
         self.lines.line(line.as_bytes())
     }
 }
@@ -58,8 +66,11 @@ impl Sink for Speech {
             return Ok(());
         }
         self.close()?;
-        self.speaking =
-            tick.scene.speaker.map(|track| Interval { track, start_s: now, end_s: now + self.tick_s });
+        self.speaking = tick.scene.speaker.map(|track| Interval {
+            track,
+            start_s: now,
+            end_s: now + self.tick_s,
+        });
         Ok(())
     }
 

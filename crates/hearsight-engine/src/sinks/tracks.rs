@@ -19,7 +19,10 @@ const HEADER: &str = "t_sec,track,x_m,y_m,z_m,phase,existence,speaking,speaking_
 fn open(context: &SinkContext<'_>) -> Result<Box<dyn Sink>, SinkError> {
     let mut lines = Lines::create(context.directory.join(INFO.file))?;
     lines.line(HEADER.as_bytes())?;
-    Ok(Box::new(Tracks { lines, text: Vec::new() }))
+    Ok(Box::new(Tracks {
+        lines,
+        text: Vec::new(),
+    }))
 }
 
 struct Tracks {
@@ -39,7 +42,9 @@ impl Sink for Tracks {
                 TrackPhase::Visible => "visible",
                 TrackPhase::Occluded => "occluded",
             };
-            let probability = track.speaking_probability.map_or_else(String::new, |p| format!("{p:.4}"));
+            let probability = track
+                .speaking_probability
+                .map_or_else(String::new, |p| format!("{p:.4}"));
             // Writing into a vector cannot fail.
             let _ = write!(
                 self.text,

@@ -16,15 +16,21 @@ pub(super) struct Range {
 
 impl Range {
     fn overlaps(&self, other: &Self) -> bool {
-        let (end, other_end) =
-            (self.end.unwrap_or(Instant::FAR_FUTURE), other.end.unwrap_or(Instant::FAR_FUTURE));
+        let (end, other_end) = (
+            self.end.unwrap_or(Instant::FAR_FUTURE),
+            other.end.unwrap_or(Instant::FAR_FUTURE),
+        );
         self.start < other_end && other.start < end
     }
 
     fn describe(&self) -> String {
         let start = self.start.seconds();
         match self.end {
-            Some(end) => format!("{} has data from {start:.3} s to {:.3} s", self.name, end.seconds()),
+            Some(end) => format!(
+                "{} has data from {start:.3} s to {:.3} s",
+                self.name,
+                end.seconds()
+            ),
             None => format!("{} has data from {start:.3} s on", self.name),
         }
     }
@@ -39,21 +45,44 @@ pub(super) fn ranges(
     let video = room.cameras.iter().zip(cameras).map(|(sensor, source)| {
         let format = source.format();
         let length = format.frames.map(|frames| format.interval * frames as i64);
-        Range { name: sensor.name.clone(), start: format.start, end: length.map(|length| format.start + length) }
+        Range {
+            name: sensor.name.clone(),
+            start: format.start,
+            end: length.map(|length| format.start + length),
+        }
     });
     let audio = room.arrays.iter().zip(arrays).map(|(sensor, source)| {
         let format = source.format();
-        let length = format.samples.map(|samples| Span::of_samples(samples as i64, format.rate_hz));
-        Range { name: sensor.name.clone(), start: format.start, end: length.map(|length| format.start + length) }
+        let length = format
+            .samples
+            .map(|samples| Span::of_samples(samples as i64, format.rate_hz));
+        Range {
+            name: sensor.name.clone(),
+            start: format.start,
+            end: length.map(|length| format.start + length),
+        }
     });
     video.chain(audio).collect()
 }
 
-/// Where the run begins and ends.
-pub(super) fn whole(ranges: &[Range], configuration: &ResolvedRoom) -> (Instant, Option<Instant>) {
-    let first = ranges.iter().map(|range| range.start).min().unwrap_or(Instant::ZERO);
+/// Where the run begins and ends; for live sources the end is what was asked for, if anything.
+pub(super) fn whole(
+    ranges: &[Range],
+    live: bool,
+    configuration: &ResolvedRoom,
+) -> (Instant, Option<Instant>) {
+    let first = ranges
+        .iter()
+        .map(|range| range.start)
+        .min()
+        .unwrap_or(Instant::ZERO);
     let start = configuration.run.from.map_or(first, |from| from.max(first));
-    let last = ranges.iter().map(|range| range.end).try_fold(start, |last, end| Some(last.max(end?)));
+    // A file that does not know its length likely ends with the others.
+    let last = ranges
+        .iter()
+        .filter_map(|range| range.end)
+        .max()
+        .filter(|_| !live);
     let end = match (last, configuration.run.until) {
         (Some(last), Some(until)) => Some(last.min(until)),
         (last, until) => last.or(until),
@@ -74,7 +103,8 @@ pub(super) fn check(room: &Room, ranges: &[Range], configuration: &ResolvedRoom)
                     array.channels,
                     array.microphones.len()
                 ),
-                cure: "list one microphone a channel, or pick channels with `channels = [0, 1, ...]`".to_owned(),
+                cure: "list one microphone a channel, or pick channels with `channels = [0, 1, ...]`"
+                    .to_owned(),
             });
         }
     }
@@ -84,11 +114,18 @@ pub(super) fn check(room: &Room, ranges: &[Range], configuration: &ResolvedRoom)
 /// Every sensor must share some time with another one.
 fn check_overlap(ranges: &[Range]) -> Result<(), EngineError> {
     for (place, range) in ranges.iter().enumerate() {
-        let mut others = ranges.iter().enumerate().filter(|(other, _)| *other != place).map(|(_, other)| other);
+        let mut others = ranges
+            .iter()
+            .enumerate()
+            .filter(|(other, _)| *other != place)
+            .map(|(_, other)| other);
         if ranges.len() > 1 && !others.clone().any(|other| range.overlaps(other)) {
             let other = others.next().map(Range::describe).unwrap_or_default();
             return Err(EngineError::Room {
-                what: format!("{}, which overlaps with no other sensor: {other}", range.describe()),
+                what: format!(
+                    "{}, which overlaps with no other sensor: {other}",
+                    range.describe()
+                ),
                 cure: "correct `start` (seconds on the common clock), or leave the sensor out".to_owned(),
             });
         }
@@ -100,7 +137,10 @@ fn check_overlap(ranges: &[Range]) -> Result<(), EngineError> {
 fn check_limits(ranges: &[Range], configuration: &ResolvedRoom) -> Result<(), EngineError> {
     let wanted = Range {
         name: "the run".to_owned(),
-        start: configuration.run.from.unwrap_or(Instant::from_nanoseconds(i64::MIN / 4)),
+        start: configuration
+            .run
+            .from
+            .unwrap_or(Instant::from_nanoseconds(i64::MIN / 4)),
         end: configuration.run.until,
     };
     if ranges.is_empty() || ranges.iter().any(|range| range.overlaps(&wanted)) {
@@ -108,7 +148,10 @@ fn check_limits(ranges: &[Range], configuration: &ResolvedRoom) -> Result<(), En
     }
     let all: Vec<String> = ranges.iter().map(Range::describe).collect();
     Err(EngineError::Room {
-        what: format!("no sensor has data between `from` and `until`: {}", all.join(", ")),
+        what: format!(
+            "no sensor has data between `from` and `until`: {}",
+            all.join(", ")
+        ),
         cure: "choose them on the common clock, on which the first sensor's `start` lies".to_owned(),
     })
 }
@@ -119,7 +162,11 @@ mod tests {
 
     fn range(name: &str, start_s: f64, end_s: f64) -> Range {
         let end = end_s.is_finite().then(|| Instant::from_seconds(end_s));
-        Range { name: name.to_owned(), start: Instant::from_seconds(start_s), end }
+        Range {
+            name: name.to_owned(),
+            start: Instant::from_seconds(start_s),
+            end,
+        }
     }
 
     #[test]
@@ -127,7 +174,12 @@ mod tests {
         assert!(check_overlap(&[range("a", 0.0, 5.0)]).is_ok());
         assert!(check_overlap(&[range("a", 0.0, 5.0), range("b", 4.9, 9.0), range("c", 8.0, 9.0)]).is_ok());
         assert!(check_overlap(&[range("a", 0.0, f64::INFINITY), range("b", 400.0, 500.0)]).is_ok());
-        let error = check_overlap(&[range("a", 0.0, 5.0), range("b", 5.0, 9.0)]).unwrap_err().to_string();
-        assert!(error.contains("a has data from 0.000 s to 5.000 s") && error.contains("b has data"), "{error}");
+        let error = check_overlap(&[range("a", 0.0, 5.0), range("b", 5.0, 9.0)])
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("a has data from 0.000 s to 5.000 s") && error.contains("b has data"),
+            "{error}"
+        );
     }
 }

@@ -1,0 +1,7 @@
+//! The real program, on a recording that it makes itself.
+
+#![expect(clippy::unwrap_used, reason = "a helper of a test fails it by panicking")]
+
+mod bad_input;
+mod common;
+mod contracts;
