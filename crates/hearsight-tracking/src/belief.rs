@@ -32,8 +32,10 @@ pub struct Belief {
     pub merged_s: f64,
     /// A meeting with another belief that has not been settled.
     pub encounter: Option<Encounter>,
-    /// When its identity was given, if it was a new one that may yet turn out to be that of somebody known.
+    /// When it was last looked at, if it has a new identity that may yet turn out to be that of somebody known.
     pub unknown_since: Option<Instant>,
+    /// How often it has been looked at since the first time.
+    pub looks: u32,
     /// When the belief began.
     pub born: Instant,
     /// When a detection last supported it.

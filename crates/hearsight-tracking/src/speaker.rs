@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields)]
 pub struct SpeakerSettings {
     /// Half the width of the window around the delay of a mouth in which the correlation is looked at, seconds. Default
-    /// 1.5e-4: a head's width at two metres between microphones a metre apart. Raising it forgives bad calibration and
+    /// 1.0e-4: half a head's width at two metres between microphones a metre apart. Raising it forgives bad calibration and
     /// confuses neighbours.
     pub tolerance_s: f64,
     /// Width of the likelihood of a height (sigma_A of eq. 8). Default 0.3.
@@ -25,9 +25,9 @@ pub struct SpeakerSettings {
     pub even_height: f64,
     /// Time over which what is heard counts once, seconds. Default 0.05. Raising it decides more slowly and surely.
     pub independent_s: f64,
-    /// Mean time for which one speaker goes on, seconds. Default 1.0. Raising it switches later.
+    /// Mean time for which one speaker goes on unheard, seconds. Default 0.5. Raising it switches later.
     pub turn_s: f64,
-    /// How fast silence makes "nobody" likelier: change of the logarithm of odds a second. Default 8.
+    /// How fast silence makes "nobody" likelier: change of the logarithm of odds a second. Default 4.
     pub silence: f64,
     /// Probability before anything is heard that the sound of a moment comes from nobody in the picture, 0 to 1.
     /// Default 0.3.
@@ -39,12 +39,12 @@ pub struct SpeakerSettings {
 impl Default for SpeakerSettings {
     fn default() -> Self {
         Self {
-            tolerance_s: 1.5e-4,
+            tolerance_s: 1.0e-4,
             sigma: 0.3,
             even_height: 0.45,
             independent_s: 0.05,
-            turn_s: 1.0,
-            silence: 8.0,
+            turn_s: 0.5,
+            silence: 4.0,
             nobody: 0.3,
             least: 0.5,
         }

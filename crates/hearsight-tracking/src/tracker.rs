@@ -169,10 +169,11 @@ impl ViewTracker {
         self.note_encounters();
         settle(
             &mut self.state.beliefs,
+            &mut self.state.memory,
             self.composition.re_entry.torso,
             &self.composition.encounter,
         );
-        self.exclude(elapsed);
+        self.exclude(now, elapsed);
         self.bury(now);
         self.give_birth(camera, now)
     }
@@ -229,7 +230,9 @@ impl ViewTracker {
                 .state
                 .memory
                 .recognize(&belief.portrait, now, second_look, settings);
-            belief.unknown_since = (first_look && known.is_none()).then_some(now);
+            belief.looks += u32::from(second_look);
+            let again = known.is_none() && belief.looks < settings.looks;
+            belief.unknown_since = again.then_some(now);
             if let Some((identity, older)) = known {
                 belief.identity = Some(identity);
                 belief.portrait.join(&older);
@@ -401,7 +404,7 @@ impl ViewTracker {
     }
 
     /// Lets beliefs die that are part of another's body, or at one place with a stronger one, for too long.
-    fn exclude(&mut self, elapsed: Span) {
+    fn exclude(&mut self, now: Instant, elapsed: Span) {
         let settings = self.composition.exclusion;
         let mut condemned = Vec::new();
         for place in 0..self.state.beliefs.len() {
@@ -433,8 +436,15 @@ impl ViewTracker {
                 .iter()
                 .position(|belief| belief.number == number)
             {
-                // It never was a person of its own: there is nobody to remember.
-                self.state.beliefs.remove(place);
+                let belief = self.state.beliefs.remove(place);
+                // A part of another's body never was a person of its own; one of two at one place may have been.
+                let long = belief.support.seconds() >= self.composition.re_entry.least_s;
+                if let Some(identity) = belief
+                    .identity
+                    .filter(|_| long && belief.merged_s > belief.body_part_s)
+                {
+                    self.state.memory.remember(identity, belief.portrait, now);
+                }
             }
         }
     }
@@ -497,6 +507,7 @@ impl ViewTracker {
                 portrait: Portrait::default(),
                 encounter: None,
                 unknown_since: None,
+                looks: 0,
                 existence: Existence::even(),
                 occluded: false,
                 body_part_s: 0.0,

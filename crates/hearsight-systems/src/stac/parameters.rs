@@ -61,7 +61,8 @@ pub struct Parameters {
     pub motion: Likelihood,
     /// Widths of the motion likelihood.
     pub motion_shape: MotionSettings,
-    /// Likelihood of the sound's delay (eq. 8, corrected). Default sigma 0.3, floor -6.
+    /// Likelihood of the sound's delay (eq. 8, corrected). Default sigma 0.3, floor -3: echoes must not
+    /// outweigh what is seen.
     pub sound: Likelihood,
     /// Use eq. 8 as printed, whose likelihood is lowest at the peak. Default false; to show that it fails.
     pub printed_equation_8: bool,
@@ -108,7 +109,7 @@ impl Default for Parameters {
             torso_colour: likelihood(0.35, -6.0),
             motion: likelihood(1.0, -10.0),
             motion_shape: MotionSettings::default(),
-            sound: likelihood(0.3, -6.0),
+            sound: likelihood(0.3, -3.0),
             printed_equation_8: false,
             vision: CameraSettings::default(),
             audio: ArraySettings::default(),

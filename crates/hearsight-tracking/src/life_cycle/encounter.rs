@@ -4,6 +4,7 @@
 //! are apart again, the new colours are compared with the old ones, and identities change places where that fits clearly
 //! better.
 
+use super::Memory;
 use crate::belief::{Belief, Portrait};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -17,6 +18,9 @@ pub struct EncounterSettings {
     /// By how much the sum of both colour distances must fall for identities to be exchanged. Default 0.15. Raising it
     /// trusts the filters more.
     pub margin: f32,
+    /// Colour distance to oneself before the meeting from which somebody whose partner is gone is a stranger, 0 to 1.
+    /// Default 0.6.
+    pub stranger: f32,
 }
 
 impl Default for EncounterSettings {
@@ -24,6 +28,7 @@ impl Default for EncounterSettings {
         Self {
             apart_s: 0.4,
             margin: 0.15,
+            stranger: 0.6,
         }
     }
 }
@@ -33,6 +38,8 @@ impl Default for EncounterSettings {
 pub struct Encounter {
     /// Number of the belief met last.
     pub with: u64,
+    /// Its identity.
+    pub with_identity: Option<u64>,
     /// For how long the person has been seen apart since, seconds.
     pub apart_s: f64,
     /// Colours seen since.
@@ -42,16 +49,17 @@ pub struct Encounter {
 /// Begins a meeting of two beliefs, or begins it anew. Scouts meet nobody.
 pub(crate) fn meet(beliefs: &mut [Belief], first: usize, second: usize) {
     for (own, other) in [(first, second), (second, first)] {
-        let with = beliefs[other].number;
+        let (with, with_identity) = (beliefs[other].number, beliefs[other].identity);
         beliefs[own].encounter = Some(Encounter {
             with,
+            with_identity,
             ..Encounter::default()
         });
     }
 }
 
 /// Settles every meeting of which both sides have been seen apart for long enough, or of which the other is gone.
-pub(crate) fn settle(beliefs: &mut [Belief], torso: f32, settings: &EncounterSettings) {
+pub(crate) fn settle(beliefs: &mut [Belief], memory: &mut Memory, torso: f32, settings: &EncounterSettings) {
     for place in 0..beliefs.len() {
         let Some(encounter) = beliefs[place].encounter.clone() else {
             continue;
@@ -60,6 +68,10 @@ pub(crate) fn settle(beliefs: &mut [Belief], torso: f32, settings: &EncounterSet
             continue;
         }
         let other = beliefs.iter().position(|belief| belief.number == encounter.with);
+        if other.is_none() {
+            // One of both was given up while they were at one place: perhaps it was the wrong one.
+            survive(&mut beliefs[place], &encounter, memory, torso, settings);
+        }
         if let Some(other) = other {
             match &beliefs[other].encounter {
                 Some(theirs) if theirs.with == beliefs[place].number => {
@@ -92,6 +104,34 @@ pub(crate) fn settle(beliefs: &mut [Belief], torso: f32, settings: &EncounterSet
                 belief.portrait.join(&encounter.since);
             }
         }
+    }
+}
+
+/// Settles the meeting of somebody whose partner is gone: takes over the partner's identity where that fits better, and
+/// becomes a scout again where the colours since are those of neither.
+fn survive(
+    belief: &mut Belief,
+    encounter: &Encounter,
+    memory: &mut Memory,
+    torso: f32,
+    settings: &EncounterSettings,
+) {
+    let since = encounter.since.mean();
+    let Some((identity, own)) = belief.identity.zip(belief.portrait.mean().distance(since, torso)) else {
+        return;
+    };
+    let gone = encounter.with_identity;
+    let theirs = gone
+        .and_then(|gone| memory.portrait(gone))
+        .and_then(|portrait| portrait.mean().distance(since, torso));
+    if let Some((gone, theirs)) = gone.zip(theirs)
+        && theirs + 0.5 * settings.margin < own
+    {
+        memory.exchange(gone, identity, &mut belief.portrait);
+        belief.identity = Some(gone);
+    } else if own > settings.stranger {
+        memory.remember(identity, std::mem::take(&mut belief.portrait), belief.supported);
+        belief.identity = None;
     }
 }
 

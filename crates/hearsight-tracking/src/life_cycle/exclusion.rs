@@ -13,7 +13,7 @@ pub struct ExclusionSettings {
     /// Share of the smaller of two heads that lies in the larger from which they are the same place, 0 to 1. Default
     /// 0.5.
     pub overlap: f32,
-    /// For how long two published tracks may share a place before the weaker one dies, seconds. Default 1.5: longer
+    /// For how long two published tracks may share a place before the weaker one dies, seconds. Default 1: longer
     /// than people take to pass each other.
     pub patience_s: f64,
     /// For how long a published track may look like a shoulder or an arm of another before it dies, seconds. Default
@@ -30,7 +30,7 @@ impl Default for ExclusionSettings {
     fn default() -> Self {
         Self {
             overlap: 0.5,
-            patience_s: 1.5,
+            patience_s: 1.0,
             body_part_s: 0.5,
             hidden_s: 2.5,
             fresh_s: 1.0,

@@ -34,8 +34,10 @@ pub struct ReEntrySettings {
     pub remember_s: f64,
     /// Only somebody whom detections have supported for this long is remembered, seconds. Default 1.
     pub least_s: f64,
-    /// Somebody unknown is looked at once more after this time, when more of them has been seen, seconds. Default 0.8.
+    /// Somebody unknown is looked at again after this time, when more of them has been seen, seconds. Default 0.8.
     pub second_look_s: f64,
+    /// Looks after the first one, each `second_look_s` after the one before. Default 3.
+    pub looks: u32,
 }
 
 impl Default for ReEntrySettings {
@@ -54,6 +56,7 @@ impl Default for ReEntrySettings {
             remember_s: 600.0,
             least_s: 1.0,
             second_look_s: 0.8,
+            looks: 3,
         }
     }
 }
@@ -85,6 +88,27 @@ impl Memory {
             portrait,
             left,
         });
+    }
+
+    /// The portrait of somebody who left.
+    pub(crate) fn portrait(&self, identity: u64) -> Option<&Portrait> {
+        self.gone
+            .iter()
+            .find(|gone| gone.identity == identity)
+            .map(|gone| &gone.portrait)
+    }
+
+    /// Lets somebody who left change places with somebody who is there: `identity` and `portrait` are remembered in
+    /// place of `gone`, whose portrait is handed out.
+    pub(crate) fn exchange(&mut self, gone: u64, identity: u64, portrait: &mut Portrait) {
+        if let Some(remembered) = self
+            .gone
+            .iter_mut()
+            .find(|remembered| remembered.identity == gone)
+        {
+            remembered.identity = identity;
+            std::mem::swap(&mut remembered.portrait, portrait);
+        }
     }
 
     /// Who of those who left this is, if anybody; they are no longer gone then.

@@ -126,7 +126,7 @@ struct Engine {
 }
 
 /// The rate at which sound is looked at, samples a second (stac, section 3: f_max = 6 kHz; E5).
-pub const RATE_HZ: u32 = 12_000;
+const RATE_HZ: u32 = 12_000;
 
 impl ArrayPercepts {
     /// Percepts of the first two microphones of an array.
