@@ -21,8 +21,11 @@ pub struct SystemInfo {
     pub source: &'static str,
     /// JSON schema of the parameters, with meaning and default of each.
     pub parameters: fn() -> Value,
-    build: fn(&Value, &Room, u64) -> Result<Box<dyn System>, SystemError>,
+    build: Build,
 }
+
+/// Builds a system from its parameters, the room and the seed of the run.
+type Build = fn(&Value, &Room, u64) -> Result<Box<dyn System>, SystemError>;
 
 /// Every system there is.
 pub const REGISTRY: &[SystemInfo] = &[stac::INFO];

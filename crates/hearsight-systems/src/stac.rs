@@ -118,7 +118,7 @@ fn build_view(parameters: &Parameters, room: &Room, camera: usize, seed: u64) ->
         _ => None,
     };
     let composition = Composition {
-        body: Box::new(HeadBox::new(parameters.body, sensor.calibration.clone())),
+        body: Box::new(HeadBox::new(parameters.body, sensor.calibration)),
         stages: stages(parameters)?,
         particles: parameters.particles,
         seed,
