@@ -1,0 +1,70 @@
+//! Long runs: `hearsight-fuzz TARGET`, and single files: `hearsight-fuzz TARGET FILE`; `hearsight-fuzz list`.
+
+use hearsight_fuzz::{Options, TARGETS, Target, Verdict, run, run_one};
+use std::path::Path;
+use std::process::ExitCode;
+
+fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match words.as_slice() {
+        ["list"] => {
+            for target in TARGETS {
+                println!("{:<12} {}", target.name, target.meaning);
+            }
+            Ok(ExitCode::SUCCESS)
+        }
+        [name] => explore(named(name)?),
+        [name, file] => {
+            let verdict = run_one(named(name)?, &std::fs::read(file)?);
+            println!("{verdict:?}");
+            Ok(
+                if verdict.is_ok_and(|verdict| !matches!(verdict, Verdict::Broken(_))) {
+                    ExitCode::SUCCESS
+                } else {
+                    ExitCode::FAILURE
+                },
+            )
+        }
+        _ => Err("usage: hearsight-fuzz list | TARGET | TARGET FILE".into()),
+    }
+}
+
+fn named(name: &str) -> Result<&'static Target, String> {
+    TARGETS
+        .iter()
+        .find(|target| target.name == name)
+        .ok_or_else(|| format!("there is no target {name}; try `list`"))
+}
+
+/// Damages files for as long as HEARSIGHT_FUZZ_SECONDS says; what goes wrong is written to the working directory.
+fn explore(target: &Target) -> Result<ExitCode, Box<dyn std::error::Error>> {
+    let options = Options::from_environment()?;
+    let report = run(target, &options);
+    println!(
+        "{}: {} cases from seed {}, {} read, {} kept, slowest {:.3} s, most memory {} kB, {} findings",
+        target.name,
+        report.cases,
+        options.seed,
+        report.read,
+        report.kept,
+        report.slowest.as_secs_f64(),
+        report.most_bytes >> 10,
+        report.findings.len()
+    );
+    for (number, finding) in report.findings.iter().enumerate() {
+        let name = format!("{}-{}-{number}", target.name, options.seed);
+        std::fs::write(Path::new(&name), &finding.input)?;
+        println!(
+            "{name}: case {}: {}\n{}",
+            finding.case,
+            finding.wrong,
+            finding.input.escape_ascii()
+        );
+    }
+    Ok(if report.findings.is_empty() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    })
+}
