@@ -1,6 +1,8 @@
 //! The stac system on a drawn room: people are found, numbered, kept apart, heard and known again; runs are
 //! reproducible, and saved runs go on with the same bytes.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot make its input should stop")]
+
 use hearsight_core::camera::{Camera, CameraModel, Pinhole};
 use hearsight_core::moment::{Moment, Observed};
 use hearsight_core::record::Scene;
