@@ -6,7 +6,7 @@ use super::{Stage, Tree};
 use multiversion::multiversion;
 
 /// With fewer windows left of a group, they are finished one by one.
-const FEW: u32 = 5;
+const FEW: u32 = 2;
 /// Windows with less contrast are passed over: area / (area * standard deviation) above this (OpenCV's bound).
 const FLAT: f64 = 0.1;
 
@@ -31,7 +31,7 @@ pub(crate) fn run_row(
     for start in (0..windows).step_by(LANES) {
         let base = first + start;
         let mut scale = [0.0; LANES];
-        let present = u32::MAX >> (LANES - (windows - start).min(LANES));
+        let present = u32::MAX >> (32 - (windows - start).min(LANES));
         let contrasted = scales(plan, level, base, &mut scale) & present;
         let mut sums = [0.0; LANES];
         let Some((opening, stages)) = plan.stages.split_first() else {

@@ -4,7 +4,7 @@ use crate::integral::{sum_rows, tilted_rows};
 use hearsight_core::GrayView;
 
 /// Windows worked on together; tables end with as many entries to spare.
-pub(crate) const LANES: usize = 32;
+pub(crate) const LANES: usize = 16;
 
 /// Where the entry of column x is in a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -147,3 +147,6 @@ fn mix_columns(mixed: &[u16], start: u32, columns: &[Between], out: &mut [u8]) {
         *out = ((sum + (1 << 15)) >> 16) as u8;
     }
 }
+
+#[cfg(test)]
+mod tests;
