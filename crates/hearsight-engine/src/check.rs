@@ -16,7 +16,7 @@ use crate::error::EngineError;
 use crate::sources;
 use crate::summary::{Outcome, Summary};
 use hearsight_core::record::Scene;
-use hearsight_core::{Moment, Span};
+use hearsight_core::{Instant, Moment, Span};
 use hearsight_systems::{StateError, System};
 use miette::Diagnostic;
 use serde::Serialize;
@@ -124,31 +124,15 @@ pub fn check(configuration: &ResolvedRoom) -> CheckReport {
     if !open_each(configuration, &mut report) {
         return report;
     }
-    let mut listening = configuration.clone();
-    let engine = Engine::open_with(listening.clone(), |_| Ok(Box::new(Listener)));
-    let engine = match engine {
-        Ok(engine) => engine,
-        Err(error) => {
-            report.error("room", "sensors fit each other", &error);
-            return report;
-        }
-    };
-    let first = engine.progress();
-    // Where one sensor has not begun there is nothing to compare.
-    let limit = if first.end.is_some() {
-        LISTEN_S
-    } else {
-        LISTEN_LIVE_S
-    };
-    let until = first.start + Span::from_seconds(limit);
-    listening.run.until = Some(configuration.run.until.map_or(until, |wanted| wanted.min(until)));
-    drop(engine);
-    match Engine::open_with(listening, |_| Ok(Box::new(Listener))) {
+    match Engine::open_with(configuration.clone(), |_| Ok(Box::new(Listener))) {
         Ok(mut engine) => {
+            let limit_s = if engine.is_live() { LISTEN_LIVE_S } else { LISTEN_S };
+            engine.end_by(engine.progress().start + Span::from_seconds(limit_s));
             geometry::check(engine.room(), configuration, &mut report);
-            let heard = listen(&mut engine, &mut report);
+            let (heard, begun) = listen(&mut engine, &mut report);
             clocks(&engine.summary(Outcome::Finished), &mut report);
-            compare(configuration, &heard, &mut report);
+            drop(engine);
+            compare(configuration, &heard, begun, &mut report);
         }
         Err(error) => report.error("room", "sensors fit each other", &error),
     }
@@ -166,8 +150,8 @@ fn open_each(configuration: &ResolvedRoom, report: &mut CheckReport) -> bool {
     report.worst() < Verdict::Failure
 }
 
-/// Reads the whole room once.
-fn listen(engine: &mut Engine, report: &mut CheckReport) -> Vec<sound::Heard> {
+/// Reads the whole room once; gives what was heard, and when the last of the sensors began.
+fn listen(engine: &mut Engine, report: &mut CheckReport) -> (Vec<sound::Heard>, Option<Instant>) {
     let room = engine.room().clone();
     let mut pictures: Vec<_> = room
         .cameras
@@ -192,9 +176,12 @@ fn listen(engine: &mut Engine, report: &mut CheckReport) -> Vec<sound::Heard> {
         looker.report(camera, report);
     }
     let sounds = sounds.into_iter().zip(&room.arrays).enumerate();
-    sounds
+    let heard: Vec<_> = sounds
         .map(|(number, (ear, array))| ear.report(number, array, report))
-        .collect()
+        .collect();
+    let seen = pictures.iter().map(|looker| looker.first);
+    let begun = seen.chain(heard.iter().map(|heard| heard.start)).flatten().max();
+    (heard, begun)
 }
 
 /// Faults and rates, which the sources have counted.
@@ -220,14 +207,13 @@ fn clocks(summary: &Summary, report: &mut CheckReport) {
 }
 
 /// Tracks where sensors overlap, and compares what is seen with what was heard.
-fn compare(configuration: &ResolvedRoom, heard: &[sound::Heard], report: &mut CheckReport) {
-    let mut tracking = configuration.clone();
-    let start = heard.iter().filter_map(sound::Heard::start).max();
-    if let Some(start) = start {
-        let until = start + Span::from_seconds(TRACK_S);
-        tracking.run.until = Some(tracking.run.until.map_or(until, |wanted| wanted.min(until)));
-    }
-    let mut engine = match Engine::open(tracking) {
+fn compare(
+    configuration: &ResolvedRoom,
+    heard: &[sound::Heard],
+    begun: Option<Instant>,
+    report: &mut CheckReport,
+) {
+    let mut engine = match Engine::open(configuration.clone()) {
         Ok(engine) => engine,
         Err(error) => return report.error("room", "the system accepts the room", &error),
     };
@@ -237,9 +223,12 @@ fn compare(configuration: &ResolvedRoom, heard: &[sound::Heard], report: &mut Ch
         "the system accepts the room",
         format!("{system} is ready"),
     );
-    if start.is_none() {
+    let Some(begun) = begun else { return };
+    // What live sources deliver now was not listened to.
+    if engine.is_live() || heard.iter().all(|heard| heard.delays.is_empty()) {
         return;
     }
+    engine.end_by(begun + Span::from_seconds(TRACK_S));
     let mut orders: Vec<_> = heard.iter().map(|_| order::Order::default()).collect();
     let room = engine.room().clone();
     while let Some(scene) = engine.step() {

@@ -259,6 +259,18 @@ impl Engine {
         self.reader.tick()
     }
 
+    /// Whether a source delivers at its own pace and cannot wait.
+    pub fn is_live(&self) -> bool {
+        self.live
+    }
+
+    /// Ends the run at this time, where it would not end before.
+    pub fn end_by(&mut self, end: Instant) {
+        let until = &mut self.configuration.run.until;
+        *until = Some(until.map_or(end, |until| until.min(end)));
+        self.end = Some(self.end.map_or(end, |known| known.min(end)));
+    }
+
     /// How far the run is.
     pub fn progress(&self) -> Progress {
         Progress {

@@ -41,7 +41,7 @@ impl DelayFinder {
         let length = (FRAME_S * f64::from(rate_hz)) as usize;
         let settings = FrameSettings {
             length,
-            hop: length,
+            hop: length / 2,
             ..FrameSettings::half_overlapping(FRAME_S, rate_hz, channels)
         };
         let padded = transform_length(length, max_delay_s, rate_hz);

@@ -17,7 +17,7 @@ const RATE_TOLERANCE: f64 = 0.02;
 pub(super) struct Looker {
     name: String,
     frames: u64,
-    first: Option<Instant>,
+    pub(super) first: Option<Instant>,
     last: Option<Instant>,
     looked: u64,
     brightness: f64,

@@ -27,14 +27,8 @@ pub(super) struct Heard {
     pub(super) delays: Vec<Delay>,
     /// Length of a frame, seconds.
     pub(super) frame_s: f64,
-    start: Option<Instant>,
-}
-
-impl Heard {
-    /// When the first sample was heard; nothing where there is too little to compare with.
-    pub(super) fn start(&self) -> Option<Instant> {
-        self.start.filter(|_| self.delays.len() >= FEWEST)
-    }
+    /// When the first sample was heard.
+    pub(super) start: Option<Instant>,
 }
 
 /// Listens to one array.
