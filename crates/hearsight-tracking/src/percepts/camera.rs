@@ -1,5 +1,6 @@
 //! What a camera sees: change against the background and between pictures, heads, faces and colours.
 
+use super::faces::{CameraError, FaceSearch, FaceSettings};
 use hearsight_core::{Mask, Rectangle, RgbView, Span, VideoFrame};
 use hearsight_vision::VisionError;
 use hearsight_vision::background::{BackgroundModel, BackgroundOptions, BackgroundState};
@@ -20,6 +21,8 @@ pub struct CameraSettings {
     pub background: BackgroundOptions,
     /// Where heads are looked for on the outlines of what differs.
     pub heads: HeadSearch,
+    /// How faces are looked for.
+    pub faces: FaceSettings,
     /// How colours are binned.
     pub histogram: HistogramOptions,
 }
@@ -37,6 +40,7 @@ impl Default for CameraSettings {
                 ..BackgroundOptions::default()
             },
             heads: HeadSearch::default(),
+            faces: FaceSettings::default(),
             histogram: HistogramOptions::default(),
         }
     }
@@ -49,6 +53,7 @@ pub struct CameraState {
     previous: Vec<u8>,
     size: (usize, usize),
     last: Option<hearsight_core::Instant>,
+    last_faces: Option<hearsight_core::Instant>,
 }
 
 /// Somebody's head, as a detector saw it.
@@ -74,6 +79,7 @@ pub struct CameraPercepts {
     stirred_share: HeadFinder,
     heads: Vec<Head>,
     detections: Vec<Detection>,
+    faces: FaceSearch,
     bins: BinPicture,
     scratch: RefCell<Scratch>,
     unreadable: u64,
@@ -89,8 +95,8 @@ impl CameraPercepts {
     /// Percepts of a camera that has seen nothing yet.
     ///
     /// # Errors
-    /// [`VisionError`] where a setting is out of its range.
-    pub fn new(settings: CameraSettings) -> Result<Self, VisionError> {
+    /// [`CameraError`] where a setting is out of its range or a cascade cannot be read.
+    pub fn new(settings: CameraSettings) -> Result<Self, CameraError> {
         let stir = ChangeOptions {
             clean: CleanOptions {
                 median: 3,
@@ -99,6 +105,7 @@ impl CameraPercepts {
             },
             ..ChangeOptions::default()
         };
+        let faces = FaceSearch::new(&settings.faces)?;
         Ok(Self {
             background: BackgroundModel::new(settings.background)?,
             stir: ChangeDetector::new(stir)?,
@@ -111,6 +118,7 @@ impl CameraPercepts {
             stirred_share: HeadFinder::default(),
             heads: Vec::new(),
             detections: Vec::new(),
+            faces,
             scratch: RefCell::default(),
             unreadable: 0,
         })
@@ -160,11 +168,37 @@ impl CameraPercepts {
             score: head.score,
             is_face: false,
         }));
+        if self.faces.is_due(frame.time, self.state.last_faces) {
+            self.state.last_faces = Some(frame.time);
+            self.add_faces(frame);
+        }
         self.bins.compute(picture);
         self.state.size = size;
         self.state.last = Some(frame.time);
         self.state.previous.clear();
         self.state.previous.extend_from_slice(picture.data);
+    }
+
+    /// Adds the heads around faces; one that the outline of a body gave already is marked as a face.
+    fn add_faces(&mut self, frame: &VideoFrame) {
+        let (changed, detections) = (&self.changed_share, &mut self.detections);
+        let least = self.settings.faces.changed;
+        self.faces.search(frame.luma_view(), |head| {
+            if changed.fraction(&head).unwrap_or(0.0) < least {
+                return;
+            }
+            match detections
+                .iter_mut()
+                .find(|known| known.region.overlap(&head) > 0.25)
+            {
+                Some(known) => known.is_face = true,
+                None => detections.push(Detection {
+                    region: head,
+                    score: 1.0,
+                    is_face: true,
+                }),
+            }
+        });
     }
 
     fn compare_with_previous(&mut self, picture: RgbView<'_>, size: (usize, usize)) {

@@ -5,6 +5,8 @@
 
 mod array;
 mod camera;
+mod faces;
 
 pub use array::{ArrayPercepts, ArraySettings, ArrayState};
 pub use camera::{CameraPercepts, CameraSettings, CameraState, Detection};
+pub use faces::{CameraError, FaceCascade, FaceSettings};
