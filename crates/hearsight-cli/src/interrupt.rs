@@ -1,6 +1,7 @@
 //! Ctrl-C: the first asks the run to end and close its outputs, the second ends the program at once.
 
 use crate::exit::Code;
+use crate::say;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
@@ -14,7 +15,9 @@ pub(crate) fn flag() -> Arc<AtomicBool> {
             if set.swap(true, Ordering::Relaxed) {
                 std::process::exit(i32::from(Code::Interrupted.number()));
             }
-            eprintln!("\ninterrupted: closing the outputs (again to end at once)");
+            say::error(format_args!(
+                "\ninterrupted: closing the outputs (again to end at once)"
+            ));
         });
         if let Err(error) = handler {
             tracing::warn!(%error, "Ctrl-C cannot be caught: outputs may be cut");

@@ -10,6 +10,7 @@ mod interrupt;
 mod logging;
 mod overrides;
 mod progress;
+mod say;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -50,7 +51,7 @@ fn main() -> ExitCode {
     match result {
         Ok(code) => code.into(),
         Err(report) => {
-            eprintln!("{report:?}");
+            say::error(format_args!("{report:?}"));
             exit::Code::Failure.into()
         }
     }

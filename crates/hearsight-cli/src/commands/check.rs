@@ -2,6 +2,7 @@
 
 use crate::exit::Code;
 use crate::overrides::RoomOverrides;
+use crate::say;
 use hearsight::engine::check::{CheckReport, Verdict, check};
 use hearsight::engine::config::load;
 use miette::IntoDiagnostic;
@@ -33,7 +34,10 @@ pub(crate) fn run(arguments: &Arguments) -> miette::Result<Code> {
     let room = load(&arguments.room, &arguments.overrides.list())?;
     let report = check(&room);
     if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&report).into_diagnostic()?);
+        say::line(format_args!(
+            "{}",
+            serde_json::to_string_pretty(&report).into_diagnostic()?
+        ));
     } else {
         print(&report);
     }
@@ -57,12 +61,12 @@ fn print(report: &CheckReport) {
             Verdict::Warning => "WARNING",
             Verdict::Failure => "FAILURE",
         };
-        println!(
+        say::line(format_args!(
             "{verdict}  {:<width$}  {}: {}",
             finding.subject, finding.aspect, finding.what
-        );
+        ));
         if let Some(cure) = &finding.cure {
-            println!("         {:width$}  -> {cure}", "");
+            say::line(format_args!("         {:width$}  -> {cure}", ""));
         }
     }
     let count = |verdict| {
@@ -73,8 +77,8 @@ fn print(report: &CheckReport) {
             .count()
     };
     let (warnings, failures) = (count(Verdict::Warning), count(Verdict::Failure));
-    println!(
+    say::line(format_args!(
         "{} passed, {warnings} warnings, {failures} failures",
         count(Verdict::Pass)
-    );
+    ));
 }

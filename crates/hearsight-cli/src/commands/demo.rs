@@ -4,6 +4,7 @@ use super::track;
 use crate::demo::{FRAMES_PER_SECOND, World, make};
 use crate::exit::Code;
 use crate::interrupt;
+use crate::say;
 use hearsight::engine::config::load;
 use hearsight::engine::{Outcome, Sink, SinkError, Summary, Tick};
 use hearsight::{Engine, Scene};
@@ -52,7 +53,7 @@ pub(crate) fn run(arguments: &Arguments) -> miette::Result<Code> {
     };
     let path = make(&world, &arguments.out)?;
     if arguments.only_make {
-        println!("made {}", path.display());
+        say::line(format_args!("made {}", path.display()));
         return Ok(Code::Done);
     }
     let results = arguments.out.join("tracks");
@@ -75,11 +76,11 @@ pub(crate) fn run(arguments: &Arguments) -> miette::Result<Code> {
             tally.print();
         }
         let shown = results.join("front.mp4");
-        println!(
+        say::line(format_args!(
             "look at {}, or run: hearsight check {}",
             shown.display(),
             path.display()
-        );
+        ));
     }
     Ok(if summary.outcome == Outcome::Interrupted {
         Code::Interrupted
@@ -161,15 +162,15 @@ impl Tally {
         };
         let seconds = self.people as f64 / 2.0 / FRAMES_PER_SECOND;
         let error = self.error_px / self.found.max(1) as f64;
-        println!("beside the truth, over the last {seconds:.1} s:");
-        println!(
+        say::line(format_args!("beside the truth, over the last {seconds:.1} s:"));
+        say::line(format_args!(
             "  heads found {:.0} %, {error:.1} px off on average",
             part(self.found, self.people)
-        );
-        println!(
+        ));
+        say::line(format_args!(
             "  of the time that someone talks: the right person marked {:.0} %, a wrong one {:.0} %",
             part(self.right, self.talking),
             part(self.wrong, self.talking)
-        );
+        ));
     }
 }

@@ -1,6 +1,7 @@
 //! `hearsight schema`: what files look like, generated from the types.
 
 use crate::exit::Code;
+use crate::say;
 use hearsight::core::record::scene_schema;
 use hearsight::engine::config::room_schema;
 use hearsight::systems::REGISTRY;
@@ -36,6 +37,9 @@ pub(crate) fn run(arguments: &Arguments) -> miette::Result<Code> {
             }
         },
     };
-    println!("{}", serde_json::to_string_pretty(&schema).into_diagnostic()?);
+    say::line(format_args!(
+        "{}",
+        serde_json::to_string_pretty(&schema).into_diagnostic()?
+    ));
     Ok(Code::Done)
 }

@@ -3,6 +3,7 @@
 use crate::exit::Code;
 use crate::formats::Formats;
 use crate::overrides::RoomOverrides;
+use crate::say;
 use crate::{interrupt, progress};
 use hearsight::engine::config::{ResolvedRoom, load};
 use hearsight::engine::{Engine, EngineError, Outcome, Outputs, SavedRun, Summary, run as run_engine};
@@ -112,50 +113,53 @@ pub(crate) fn print(engine: &Engine, summary: &Summary) {
         .iter()
         .map(|(camera, frames)| format!("{camera} {frames}"))
         .collect();
-    println!(
+    say::line(format_args!(
         "{seconds:.1} s in {:.1} s ({:.1} times real time)",
         summary.elapsed_s, summary.times_real_time
-    );
+    ));
     if !frames.is_empty() {
-        println!("frames: {}", frames.join(", "));
+        say::line(format_args!("frames: {}", frames.join(", ")));
     }
     let speech = summary.tick_s * counts.ticks_with_speaker as f64;
-    println!("tracks: {}; someone speaks for {speech:.1} s", counts.tracks);
+    say::line(format_args!(
+        "tracks: {}; someone speaks for {speech:.1} s",
+        counts.tracks
+    ));
     for fault in &summary.faults {
         let times = if fault.count == 1 {
             String::new()
         } else {
             format!(" ({} in all)", fault.count)
         };
-        println!(
+        say::line(format_args!(
             "fault: {} at {:.2} s: {}{times}",
             fault.sensor, fault.first_s, fault.first_detail
-        );
+        ));
     }
     if summary.quarantined > 0 {
-        println!(
+        say::line(format_args!(
             "fault: {} numbers were not finite and were set aside",
             summary.quarantined
-        );
+        ));
     }
     let output = &engine.configuration().output;
     if !output.formats.is_empty() {
-        println!("written to {}", output.directory.display());
+        say::line(format_args!("written to {}", output.directory.display()));
     }
 }
 
 fn print_timing(summary: &Summary) {
-    println!("{:<16} {:>9} {:>7}", "stage", "seconds", "share");
+    say::line(format_args!("{:<16} {:>9} {:>7}", "stage", "seconds", "share"));
     for stage in &summary.stages {
-        println!(
+        say::line(format_args!(
             "{:<16} {:>9.3} {:>5.1} %",
             stage.stage,
             stage.seconds,
             100.0 * stage.share
-        );
+        ));
     }
-    println!(
+    say::line(format_args!(
         "{:<16} {:>9.3}  ({} threads)",
         "elapsed", summary.elapsed_s, summary.threads
-    );
+    ));
 }

@@ -260,3 +260,19 @@ fn the_example_of_av16_3_gives_tracks() {
     let scenes = lines(&directory.path().join("scenes.jsonl"));
     assert!((74..=76).contains(&scenes.len()), "{}", scenes.len());
 }
+
+#[test]
+fn a_reader_that_goes_away_is_no_accident() {
+    let mut child = hearsight(&["schema"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert!(
+        output.status.success() && output.stderr.is_empty(),
+        "{}",
+        errors(&output)
+    );
+}
