@@ -28,7 +28,14 @@ pub struct HeadSearch {
 
 impl Default for HeadSearch {
     fn default() -> Self {
-        Self { smallest_px: 14.0, widest_share: 0.4, step: 1.15, aspect: 1.3, least_score: 0.35, most: 16 }
+        Self {
+            smallest_px: 14.0,
+            widest_share: 0.4,
+            step: 1.15,
+            aspect: 1.3,
+            least_score: 0.35,
+            most: 16,
+        }
     }
 }
 
@@ -122,7 +129,9 @@ impl HeadFinder {
         self.tops.clear();
         for y in 0..mask.height {
             let row = &mask.data[y * mask.width..(y + 1) * mask.width];
-            let above = y.checked_sub(CLEAR_ROWS).map(|y| &mask.data[y * mask.width..(y + 1) * mask.width]);
+            let above = y
+                .checked_sub(CLEAR_ROWS)
+                .map(|y| &mask.data[y * mask.width..(y + 1) * mask.width]);
             for x in 0..mask.width {
                 if row[x] != 0 && above.is_none_or(|above| above[x] == 0) {
                     self.tops.push((x as f32 + 0.5, y as f32));
@@ -138,21 +147,41 @@ impl HeadFinder {
         if inside < 0.6 {
             return None;
         }
-        let core = self.share(x - 0.25 * width, y + 0.05 * height, x + 0.25 * width, y + 1.3 * height)?;
+        let core = self.share(
+            x - 0.25 * width,
+            y + 0.05 * height,
+            x + 0.25 * width,
+            y + 1.3 * height,
+        )?;
         if core < 0.6 {
             return None;
         }
         let beside = |from: f32, to: f32| {
-            self.share(x + from * width, y - 0.1 * height, x + to * width, y + 0.75 * height)
-                .unwrap_or(UNKNOWN_SIDE)
+            self.share(
+                x + from * width,
+                y - 0.1 * height,
+                x + to * width,
+                y + 0.75 * height,
+            )
+            .unwrap_or(UNKNOWN_SIDE)
         };
         let (left, right) = (beside(-1.0, -0.55), beside(0.55, 1.0));
         let above = self
-            .share(x - 0.5 * width, y - 0.35 * height, x + 0.5 * width, y - 0.05 * height)
+            .share(
+                x - 0.5 * width,
+                y - 0.35 * height,
+                x + 0.5 * width,
+                y - 0.05 * height,
+            )
             .unwrap_or(UNKNOWN_ABOVE);
         let shoulder = |from: f32, to: f32| {
-            self.share(x + from * width, y + 1.35 * height, x + to * width, y + 1.9 * height)
-                .unwrap_or(UNKNOWN_SIDE)
+            self.share(
+                x + from * width,
+                y + 1.35 * height,
+                x + to * width,
+                y + 1.9 * height,
+            )
+            .unwrap_or(UNKNOWN_SIDE)
         };
         let (near, far) = (shoulder(-1.0, -0.3), shoulder(0.3, 1.0));
         let shoulders = 0.5 * near.max(far) + 0.25 * (near + far);
@@ -217,7 +246,10 @@ mod tests {
     /// A figure: head, shoulders twice as wide, legs.
     fn person(mask: &mut Mask, x: f32, top: f32, width: f32) {
         fill(mask, Rectangle::new(x - width / 2.0, top, width, 1.45 * width));
-        fill(mask, Rectangle::new(x - 1.1 * width, top + 1.4 * width, 2.2 * width, 3.0 * width));
+        fill(
+            mask,
+            Rectangle::new(x - 1.1 * width, top + 1.4 * width, 2.2 * width, 3.0 * width),
+        );
     }
 
     fn find(mask: &Mask) -> Vec<Head> {
