@@ -13,6 +13,8 @@ pub mod group;
 pub mod window;
 
 mod evaluate;
+#[cfg(target_arch = "x86_64")]
+mod evaluate_avx2;
 mod level;
 mod parse;
 mod parse_new;

@@ -21,5 +21,7 @@ pub mod regions;
 pub mod silhouette;
 
 mod bits;
+#[cfg(target_arch = "x86_64")]
+mod registers;
 
 pub use error::VisionError;

@@ -1,5 +1,7 @@
 //! Running a cascade over a row of windows: many windows at once while many are left, then one by one.
 
+#[cfg(target_arch = "x86_64")]
+use super::evaluate_avx2;
 use super::level::{LANES, Level};
 use super::plan::{Corners, Plan, PlanNode};
 use super::{Stage, Tree};
@@ -18,7 +20,7 @@ static NOTHING: [u32; LANES] = [0; LANES];
 /// Runs all windows of one row: window i has its first entry at `first + i`. After a window that the first stage
 /// rejects, the next one is passed over, as OpenCV does. `results` is scratch of at least as many entries as the
 /// largest tree has nodes.
-#[multiversion(targets("x86_64+avx2", "x86_64+sse4.1"))]
+#[multiversion(targets("x86_64+avx2"))]
 pub(crate) fn run_row(
     plan: &Plan,
     level: &Level,
@@ -37,14 +39,20 @@ pub(crate) fn run_row(
         let Some((opening, stages)) = plan.stages.split_first() else {
             return;
         };
-        let passed = run_stage(plan, opening, &level.sums, base, &scale, results, &mut sums);
+        let passed = __multiversion::match_target! {
+            "x86_64+avx2" => evaluate_avx2::run_stage(plan, opening, &level.sums, base, &scale, results, &mut sums),
+            _ => run_stage(plan, opening, &level.sums, base, &scale, results, &mut sums)
+        };
         let mut left = visited(contrasted & !passed, &mut skip) & contrasted & passed;
         let mut done = 0;
         for stage in stages {
             if left.count_ones() < FEW {
                 break;
             }
-            left &= run_stage(plan, stage, &level.sums, base, &scale, results, &mut sums);
+            left &= __multiversion::match_target! {
+                "x86_64+avx2" => evaluate_avx2::run_stage(plan, stage, &level.sums, base, &scale, results, &mut sums),
+                _ => run_stage(plan, stage, &level.sums, base, &scale, results, &mut sums)
+            };
             done += 1;
         }
         while left != 0 {
@@ -75,7 +83,7 @@ fn visited(rejected: u32, skip: &mut bool) -> u32 {
 }
 
 #[inline(always)]
-fn entries(table: &[u32], at: usize) -> &[u32; LANES] {
+pub(crate) fn entries(table: &[u32], at: usize) -> &[u32; LANES] {
     table
         .get(at..)
         .and_then(|rest| rest.first_chunk())
@@ -216,3 +224,6 @@ fn value(table: &[u32], base: usize, node: &PlanNode) -> f32 {
     }
     value
 }
+
+#[cfg(test)]
+mod tests;
