@@ -4,7 +4,10 @@
 //! [`BinPicture::score_ellipses`] reads each ellipse from it without allocating. An ellipse is given by the [`Rectangle`] it
 //! touches from inside.
 
+mod ellipse;
+
 use crate::VisionError;
+use ellipse::{BinSums, Ellipse, add_pixels};
 use hearsight_core::{Rectangle, RgbView};
 use serde::{Deserialize, Serialize};
 
@@ -78,8 +81,7 @@ pub struct Histogram {
 /// What reading histograms needs besides the picture; one for each thread.
 #[derive(Clone, Debug, Default)]
 pub struct HistogramScratch {
-    /// Two histograms: pixels take turns, so that a pixel need not wait for its neighbour of the same colour.
-    sums: Vec<f32>,
+    sums: BinSums,
     /// Bins in which the reference is not zero, with the roots of its values.
     roots: Vec<(u16, f32)>,
 }
@@ -165,9 +167,8 @@ impl BinPicture {
         histogram.values.resize(bins, 0.0);
         let (total, inside) = self.read(bounds, &mut scratch.sums);
         if total > 0.0 {
-            let (even, odd) = scratch.sums.split_at(bins);
-            for ((value, &a), &b) in histogram.values.iter_mut().zip(even).zip(odd) {
-                *value = (a + b) / total;
+            for (bin, value) in (0_u16..).zip(&mut histogram.values) {
+                *value = scratch.sums.of(bin) / total;
             }
         }
         inside
@@ -202,11 +203,7 @@ impl BinPicture {
                     inside,
                 };
             }
-            let (even, odd) = sums.split_at(bins);
-            let sum: f32 = roots
-                .iter()
-                .map(|&(bin, root)| (even[usize::from(bin)] + odd[usize::from(bin)]).sqrt() * root)
-                .sum();
+            let sum: f32 = roots.iter().map(|&(bin, root)| sums.of(bin).sqrt() * root).sum();
             let coefficient = (sum / total.sqrt()).min(1.0);
             Similarity {
                 coefficient,
@@ -216,11 +213,9 @@ impl BinPicture {
         }));
     }
 
-    /// Sums up the kernel by bin in two halves of `sums`; returns the sum of all and the share inside the picture.
-    fn read(&self, bounds: &Rectangle, sums: &mut Vec<f32>) -> (f32, f32) {
-        let bins = self.options.bins();
-        sums.clear();
-        sums.resize(2 * bins, 0.0);
+    /// Sums up the kernel by bin; returns the sum of all and the share inside the picture.
+    fn read(&self, bounds: &Rectangle, sums: &mut BinSums) -> (f32, f32) {
+        sums.clear(self.options.bins());
         let (half_width, half_height) = (bounds.width / 2.0, bounds.height / 2.0);
         if !bounds.is_finite() || half_width <= 0.0 || half_height <= 0.0 {
             return (0.0, 0.0);
@@ -229,9 +224,8 @@ impl BinPicture {
         let picture = Rectangle::new(0.0, 0.0, self.width as f32, self.height as f32);
         let seen = area.min(f64::from(bounds.intersection(&picture).area()));
         let step = ((seen / f64::from(self.options.pixels)).sqrt().ceil() as usize).max(1);
-        let grid = Ellipse::new(bounds, self.width, self.height, step);
-        let (even, odd) = sums.split_at_mut(bins);
-        let (total, pixels) = add_pixels(&self.bins, self.width, &grid, even, odd);
+        let ellipse = Ellipse::new(bounds, self.width, self.height, step);
+        let (total, pixels) = add_pixels(&self.bins, self.width, &ellipse, sums);
         let inside = if bounds.left >= 0.0
             && bounds.top >= 0.0
             && bounds.right() <= self.width as f32
@@ -309,191 +303,5 @@ impl Histogram {
     }
 }
 
-/// An ellipse on the grid of pixels, clipped to the picture.
-struct Ellipse {
-    /// Middle in pixels, (0, 0) being the centre of the top-left pixel.
-    x: f32,
-    y: f32,
-    half_width: f32,
-    inverse_width: f32,
-    inverse_height: f32,
-    /// Every `step`-th row and column is read, counted from the picture's corner so that equal ellipses read equal
-    /// pixels.
-    step: usize,
-    first_row: usize,
-    end_row: usize,
-    picture_width: usize,
-}
-
-impl Ellipse {
-    fn new(bounds: &Rectangle, width: usize, height: usize, step: usize) -> Self {
-        let (x, y) = bounds.centre();
-        // Rectangles count from the pixel's edge, not its centre.
-        let (x, y) = (x - 0.5, y - 0.5);
-        let (half_width, half_height) = (bounds.width / 2.0, bounds.height / 2.0);
-        // Conversions of floats saturate, so what lies far outside is clipped.
-        let first_row = ((y - half_height).ceil().max(0.0) as usize).div_ceil(step) * step;
-        let end_row = (((y + half_height).floor() + 1.0).max(0.0) as usize).min(height);
-        Self {
-            x,
-            y,
-            half_width,
-            inverse_width: 1.0 / half_width,
-            inverse_height: 1.0 / half_height,
-            step,
-            first_row,
-            end_row,
-            picture_width: width,
-        }
-    }
-
-    /// 1 - r^2 on the axis of row `y`, and the columns within, first and end.
-    #[inline(always)]
-    fn row(&self, y: usize) -> (f32, usize, usize) {
-        let offset = (y as f32 - self.y) * self.inverse_height;
-        let axis = (1.0 - offset * offset).max(0.0);
-        let chord = self.half_width * axis.sqrt();
-        let first = ((self.x - chord).ceil().max(0.0) as usize).div_ceil(self.step) * self.step;
-        let end = (((self.x + chord).floor() + 1.0).max(0.0) as usize).min(self.picture_width);
-        (axis, first, end)
-    }
-}
-
-/// Adds the kernel of each pixel to its bin, by turns in `even` and `odd`; returns the sum of all and the number of
-/// pixels read.
-fn add_pixels(
-    bins: &[u16],
-    width: usize,
-    ellipse: &Ellipse,
-    even: &mut [f32],
-    odd: &mut [f32],
-) -> (f32, usize) {
-    let mut total = 0.0;
-    let mut pixels = 0;
-    for y in (ellipse.first_row..ellipse.end_row).step_by(ellipse.step) {
-        let (axis, first, end) = ellipse.row(y);
-        if first >= end {
-            continue;
-        }
-        let row = &bins[y * width + first..y * width + end];
-        let kernel = |at: usize| {
-            let offset = ((first + at) as f32 - ellipse.x) * ellipse.inverse_width;
-            (axis - offset * offset).max(0.0)
-        };
-        let mut at = 0;
-        let mut row_total = 0.0;
-        while at < row.len() {
-            let weight = kernel(at);
-            even[usize::from(row[at])] += weight;
-            row_total += weight;
-            pixels += 1;
-            at += ellipse.step;
-            if at < row.len() {
-                let weight = kernel(at);
-                odd[usize::from(row[at])] += weight;
-                row_total += weight;
-                pixels += 1;
-                at += ellipse.step;
-            }
-        }
-        total += row_total;
-    }
-    (total, pixels)
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn picture(width: usize, height: usize) -> Vec<u8> {
-        (0..width * height * 3).map(|i| (i * 37 % 251) as u8).collect()
-    }
-
-    fn bins_of(width: usize, height: usize) -> BinPicture {
-        let data = picture(width, height);
-        let mut bins = BinPicture::new(HistogramOptions::default()).unwrap();
-        bins.compute(RgbView::new(width, height, &data).unwrap());
-        bins
-    }
-
-    #[test]
-    fn an_ellipse_is_like_itself_and_batches_agree_with_single_histograms() {
-        let bins = bins_of(60, 40);
-        let ellipses = [
-            Rectangle::new(10.0, 5.0, 20.0, 30.0),
-            Rectangle::new(-10.0, 5.0, 20.0, 30.0),
-            Rectangle::new(100.0, 5.0, 20.0, 30.0),
-            Rectangle::new(f32::NAN, 5.0, 20.0, 30.0),
-            Rectangle::new(3.0, 5.0, 0.0, 30.0),
-            Rectangle::new(-1e30, -1e30, 2e30, 2e30),
-        ];
-        let mut scratch = HistogramScratch::default();
-        let mut reference = Histogram::default();
-        let inside = bins.histogram(&ellipses[0], &mut scratch, &mut reference);
-        assert_eq!(inside, 1.0);
-        assert!((reference.values().iter().sum::<f32>() - 1.0).abs() < 1e-5);
-        let mut scores = Vec::new();
-        bins.score_ellipses(&ellipses, &reference, &mut scratch, &mut scores);
-        assert!(scores[0].coefficient > 0.999_99 && scores[0].distance < 4e-3);
-        assert!((scores[1].inside - 0.5).abs() < 0.05, "{scores:?}");
-        for score in &scores[2..5] {
-            assert_eq!(
-                *score,
-                Similarity {
-                    coefficient: 0.0,
-                    distance: 1.0,
-                    inside: 0.0
-                }
-            );
-        }
-        for (ellipse, score) in ellipses.iter().zip(&scores) {
-            let mut histogram = Histogram::default();
-            let inside = bins.histogram(ellipse, &mut scratch, &mut histogram);
-            assert_eq!(inside, score.inside);
-            assert!((histogram.coefficient(&reference) - score.coefficient).abs() < 1e-5);
-        }
-    }
-
-    #[test]
-    fn large_ellipses_are_read_in_steps_with_nearly_the_same_result() {
-        let data: Vec<u8> = (0..300 * 200)
-            .flat_map(|i| [(i % 300 / 2) as u8, (i / 300) as u8, 7])
-            .collect();
-        let view = RgbView::new(300, 200, &data).unwrap();
-        let bounds = Rectangle::new(20.0, 10.0, 250.0, 180.0);
-        let mut histograms = [Histogram::default(), Histogram::default()];
-        for (pixels, histogram) in [1 << 30, 2048].into_iter().zip(&mut histograms) {
-            let mut bins = BinPicture::new(HistogramOptions {
-                pixels,
-                ..Default::default()
-            })
-            .unwrap();
-            bins.compute(view);
-            bins.histogram(&bounds, &mut HistogramScratch::default(), histogram);
-        }
-        assert!(histograms[0].coefficient(&histograms[1]) > 0.999);
-    }
-
-    #[test]
-    fn options_out_of_range_are_refused() {
-        for (red, pixels) in [(0, 100), (41, 100), (10, 1)] {
-            assert!(
-                BinPicture::new(HistogramOptions {
-                    red,
-                    pixels,
-                    ..Default::default()
-                })
-                .is_err()
-            );
-        }
-        let most = HistogramOptions {
-            red: 40,
-            green: 40,
-            blue: 40,
-            pixels: 100,
-        };
-        let mut bins = BinPicture::new(most).unwrap();
-        bins.compute(RgbView::new(1, 1, &[255; 3]).unwrap());
-        assert_eq!(bins.bins(), [63_999]);
-    }
-}
+mod tests;
