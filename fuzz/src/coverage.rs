@@ -5,6 +5,8 @@
 #[derive(Default)]
 pub(crate) struct Coverage {
     #[cfg(hearsight_coverage)]
+    counts: Vec<u8>,
+    #[cfg(hearsight_coverage)]
     seen: Vec<u8>,
 }
 
@@ -21,22 +23,26 @@ impl Coverage {
 #[cfg(hearsight_coverage)]
 impl Coverage {
     pub(crate) fn begin(&mut self) {
-        counters::each(|counter| counter.store(0, std::sync::atomic::Ordering::Relaxed));
+        counters::take(&mut self.counts);
     }
 
     pub(crate) fn is_new(&mut self) -> Option<bool> {
-        let (mut at, mut new) = (0, false);
-        self.seen.resize(counters::count(), 0);
-        counters::each(|counter| {
-            let count = counter.load(std::sync::atomic::Ordering::Relaxed);
-            if count > 0 {
-                // A loop that runs twice as often is a new way: one bit for each doubling.
-                let bit = 1 << count.ilog2();
-                new |= self.seen[at] & bit == 0;
-                self.seen[at] |= bit;
+        const BLOCK: usize = 64;
+        counters::take(&mut self.counts);
+        self.seen.resize(self.counts.len(), 0);
+        let mut new = false;
+        for (counts, seen) in self.counts.chunks(BLOCK).zip(self.seen.chunks_mut(BLOCK)) {
+            // Most blocks were not touched.
+            if counts == &[0; BLOCK][..counts.len()] {
+                continue;
             }
-            at += 1;
-        });
+            for (&count, seen) in counts.iter().zip(seen) {
+                // A loop that runs twice as often is a new way: one bit for each doubling.
+                let bit = count.checked_ilog2().map_or(0, |doublings| 1 << doublings);
+                new |= *seen & bit != bit;
+                *seen |= bit;
+            }
+        }
         Some(new)
     }
 }
@@ -44,34 +50,40 @@ impl Coverage {
 #[cfg(hearsight_coverage)]
 mod counters {
     //! The counters of LLVM's sanitizer coverage, one byte an edge.
+    #![expect(
+        unsafe_code,
+        reason = "the compiler counts in memory that Rust knows nothing of"
+    )]
 
-    use std::sync::atomic::AtomicU8;
     use std::sync::{Mutex, PoisonError};
 
-    static REGIONS: Mutex<Vec<&[AtomicU8]>> = Mutex::new(Vec::new());
+    /// Address and length of each array of counters.
+    static REGIONS: Mutex<Vec<(usize, usize)>> = Mutex::new(Vec::new());
 
     /// Called by every instrumented module before `main`.
-    #[expect(unsafe_code, reason = "the compiler calls this by its name, with addresses")]
     #[unsafe(no_mangle)]
-    extern "C" fn __sanitizer_cov_8bit_counters_init(start: *const AtomicU8, end: *const AtomicU8) {
-        let length = end.addr() - start.addr();
-        // SAFETY: the compiler gives the beginning and end of an array of bytes that lives as long as the program.
-        let region = unsafe { std::slice::from_raw_parts(start, length) };
+    extern "C" fn __sanitizer_cov_8bit_counters_init(start: *mut u8, end: *mut u8) {
+        let region = (start.expose_provenance(), end.addr() - start.addr());
         let mut regions = REGIONS.lock().unwrap_or_else(PoisonError::into_inner);
-        if !regions.iter().any(|known| std::ptr::eq(*known, region)) {
+        if !regions.contains(&region) {
             regions.push(region);
         }
     }
 
-    pub(super) fn count() -> usize {
+    /// Replaces `counts` by all counters, which begin anew from 0.
+    pub(super) fn take(counts: &mut Vec<u8>) {
+        counts.clear();
         let regions = REGIONS.lock().unwrap_or_else(PoisonError::into_inner);
-        regions.iter().map(|region| region.len()).sum()
-    }
-
-    pub(super) fn each(mut visit: impl FnMut(&AtomicU8)) {
-        let regions = REGIONS.lock().unwrap_or_else(PoisonError::into_inner);
-        regions
-            .iter()
-            .for_each(|region| region.iter().for_each(&mut visit));
+        for &(address, length) in regions.iter() {
+            let start = std::ptr::with_exposed_provenance_mut::<u8>(address);
+            counts.reserve(length);
+            // SAFETY: the compiler gave beginning and end of an array of bytes that lives as long as the program;
+            // nobody holds a reference to it, and a count lost to another thread does no harm.
+            unsafe {
+                start.copy_to_nonoverlapping(counts.as_mut_ptr().add(counts.len()), length);
+                counts.set_len(counts.len() + length);
+                start.write_bytes(0, length);
+            }
+        }
     }
 }

@@ -91,7 +91,8 @@ impl Damage<'_> {
                 self.damage_bytes(input, other, random);
             }
             input.truncate(self.longest);
-            more = random.one_in(2);
+            // Mostly once: what is damaged in many places is refused for the first of them.
+            more = random.one_in(3);
         }
     }
 
@@ -102,22 +103,24 @@ impl Damage<'_> {
             return;
         }
         let word = random.pick(&words).clone();
-        match random.below(10) {
-            0..=2 => {
+        match random.below(14) {
+            0..=6 => {
                 let numbers: Vec<_> = words
                     .into_iter()
                     .filter(|word| is_number(&input[word.clone()]))
                     .collect();
                 if !numbers.is_empty() {
-                    replace(
-                        input,
-                        random.pick(&numbers).clone(),
-                        random.pick(EXTREMES).as_bytes(),
-                    );
+                    let (number, other) = (random.pick(&numbers).clone(), random.pick(&numbers).clone());
+                    let instead = match random.below(3) {
+                        0 => input[other].to_vec(),
+                        1 => near(&input[number.clone()], random),
+                        _ => random.pick(EXTREMES).as_bytes().to_vec(),
+                    };
+                    replace(input, number, &instead);
                 }
             }
-            3 => replace(input, word, &[]),
-            4 => {
+            7 => replace(input, word, &[]),
+            8 => {
                 let times = if random.one_in(8) {
                     1 + random.below(3000)
                 } else {
@@ -126,14 +129,14 @@ impl Damage<'_> {
                 let repeated = input[word.clone()].repeat(times);
                 replace(input, word, &repeated);
             }
-            5 => {
+            9 => {
                 let (a, b) = (input[word.clone()].to_vec(), random.pick(&words).clone());
                 let b = input[b].to_vec();
                 replace(input, word, &[b, a].concat());
             }
-            6 if !self.words.is_empty() => replace(input, word, random.pick(self.words).as_bytes()),
-            7 if !self.words.is_empty() => insert(input, word.start, random.pick(self.words).as_bytes()),
-            8 => self.move_lines(input, other, random),
+            10 if !self.words.is_empty() => replace(input, word, random.pick(self.words).as_bytes()),
+            11 if !self.words.is_empty() => insert(input, word.start, random.pick(self.words).as_bytes()),
+            12 => self.move_lines(input, other, random),
             _ => {
                 let others = self::words(other);
                 if !others.is_empty() {
@@ -225,6 +228,22 @@ fn words(bytes: &[u8]) -> Vec<Range<usize>> {
         at += length;
     }
     words
+}
+
+/// A number a little larger or smaller, or its negative.
+fn near(word: &[u8], random: &mut Random) -> Vec<u8> {
+    let number = std::str::from_utf8(word)
+        .ok()
+        .and_then(|word| word.parse::<f64>().ok())
+        .unwrap_or(0.0);
+    let changed = match random.below(5) {
+        0 => number + 1.0,
+        1 => number - 1.0,
+        2 => -number,
+        3 => 2.0 * number,
+        _ => 0.5 * number,
+    };
+    changed.to_string().into_bytes()
 }
 
 fn is_number(word: &[u8]) -> bool {

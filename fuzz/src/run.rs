@@ -93,14 +93,16 @@ pub fn run(target: &Target, options: &Options) -> Report {
         known: BTreeSet::new(),
         wrong: BTreeSet::new(),
         kept: Vec::new(),
+        read: Vec::new(),
         report: Report::default(),
     };
     let begun = Instant::now();
     for seed in (target.seeds)() {
         run.attempt(&seed);
+        // Whatever became of it: a file that went wrong once is worth damaging too.
         run.kept.push(seed);
     }
-    let seeds = run.kept.len();
+    let seeds = run.kept.len() + run.read.len();
     let damage = Damage {
         text: target.text,
         words: target.words,
@@ -108,27 +110,11 @@ pub fn run(target: &Target, options: &Options) -> Report {
     };
     let mut random = Random(options.seed);
     while begun.elapsed() < options.time {
-        // The newest are the least explored.
-        let newest = run.kept.len() - run.kept.len() / 4;
-        let from = if random.one_in(2) {
-            0
-        } else {
-            newest.min(run.kept.len() - 1)
-        };
-        let one = from + random.below(run.kept.len() - from);
-        let other = random.below(run.kept.len());
-        let mut input = run.kept[one].clone();
-        damage.apply(&mut input, &run.kept[other], &mut random);
-        if run.attempt(&input) {
-            if run.kept.len() < MOST_KEPT {
-                run.kept.push(input);
-            } else {
-                let place = seeds + random.below(run.kept.len() - seeds);
-                run.kept[place] = input;
-            }
-        }
+        let mut input = run.pick(&mut random).clone();
+        damage.apply(&mut input, run.pick(&mut random), &mut random);
+        run.attempt(&input);
     }
-    run.report.kept = run.kept.len() - seeds;
+    run.report.kept = run.kept.len() + run.read.len() - seeds;
     run.report
 }
 
@@ -137,13 +123,32 @@ struct Run<'a> {
     coverage: Coverage,
     known: BTreeSet<String>,
     wrong: BTreeSet<String>,
+    /// Seeds, and what was refused in a new way.
     kept: Vec<Vec<u8>>,
+    /// What was read in a new way.
+    read: Vec<Vec<u8>>,
     report: Report,
 }
 
 impl Run<'_> {
-    /// Tries a case; whether it showed something new.
-    fn attempt(&mut self, input: &[u8]) -> bool {
+    /// A file to damage. What can be read leads further than what is refused at its beginning, and the newest is the
+    /// least explored.
+    fn pick(&self, random: &mut Random) -> &Vec<u8> {
+        let list = if self.read.is_empty() || random.one_in(3) {
+            &self.kept
+        } else {
+            &self.read
+        };
+        let newest = if random.one_in(2) {
+            list.len() - list.len().div_ceil(4)
+        } else {
+            0
+        };
+        &list[newest + random.below(list.len() - newest)]
+    }
+
+    /// Tries a case, and keeps it where it showed something new.
+    fn attempt(&mut self, input: &[u8]) {
         self.coverage.begin();
         let outcome = self.guard.attempt(input);
         let new_way = self.coverage.is_new();
@@ -153,15 +158,21 @@ impl Run<'_> {
         self.report.most_bytes = self.report.most_bytes.max(outcome.bytes);
         match outcome.verdict {
             Ok(verdict) => {
-                self.report.read += u64::from(matches!(verdict, Verdict::Read(_)));
-                new_way.unwrap_or_else(|| self.known.insert(kind(&format!("{verdict:?}"))))
+                let is_read = matches!(verdict, Verdict::Read(_));
+                self.report.read += u64::from(is_read);
+                let list = if is_read { &mut self.read } else { &mut self.kept };
+                let is_new = new_way.unwrap_or_else(|| self.known.insert(kind(&format!("{verdict:?}"))));
+                if is_new && list.len() < MOST_KEPT {
+                    list.push(input.to_vec());
+                }
             }
             Err(wrong) => {
                 if self.wrong.len() < MOST_FINDINGS && self.wrong.insert(kind(&wrong)) {
+                    // At once: a later case may end the process.
+                    eprintln!("case {case}: {wrong}");
                     let input = shrink(&mut self.guard, input, &wrong);
                     self.report.findings.push(Finding { wrong, case, input });
                 }
-                false
             }
         }
     }
