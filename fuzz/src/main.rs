@@ -1,7 +1,6 @@
 //! Long runs: `hearsight-fuzz TARGET`, and single files: `hearsight-fuzz TARGET FILE`; `hearsight-fuzz list`.
 
 use hearsight_fuzz::{Options, TARGETS, Target, Verdict, run, run_one};
-use std::path::Path;
 use std::process::ExitCode;
 
 fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
@@ -40,7 +39,16 @@ fn named(name: &str) -> Result<&'static Target, String> {
 /// Damages files for as long as HEARSIGHT_FUZZ_SECONDS says; what goes wrong is written to the working directory.
 fn explore(target: &Target) -> Result<ExitCode, Box<dyn std::error::Error>> {
     let options = Options::from_environment()?;
-    let report = run(target, &options);
+    let directory = std::env::current_dir()?;
+    let report = run(target, &options, &mut |finding| {
+        let again = finding.write(target, &options, &directory);
+        println!(
+            "{}: {}\n{}",
+            target.name,
+            finding.describe(&options),
+            again.unwrap_or_else(|error| error.to_string())
+        );
+    });
     println!(
         "{}: {} cases from seed {}, {} read, {} kept, slowest {:.3} s, most memory {} kB, {} findings",
         target.name,
@@ -52,16 +60,6 @@ fn explore(target: &Target) -> Result<ExitCode, Box<dyn std::error::Error>> {
         report.most_bytes >> 10,
         report.findings.len()
     );
-    for (number, finding) in report.findings.iter().enumerate() {
-        let name = format!("{}-{}-{number}", target.name, options.seed);
-        std::fs::write(Path::new(&name), &finding.input)?;
-        println!(
-            "{name}: case {}: {}\n{}",
-            finding.case,
-            finding.wrong,
-            finding.input.escape_ascii()
-        );
-    }
     Ok(if report.findings.is_empty() {
         ExitCode::SUCCESS
     } else {

@@ -7,7 +7,7 @@ use crate::random::Random;
 use crate::shrink::shrink;
 use crate::targets::{Target, Verdict};
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Most cases kept to be damaged further.
@@ -35,6 +35,34 @@ pub struct Finding {
     pub case: u64,
     /// The file, made as small as it goes.
     pub input: Vec<u8>,
+}
+
+impl Finding {
+    /// Seed and case, what went wrong, and the beginning of the file; [`Finding::write`] writes all of it.
+    pub fn describe(&self, options: &Options) -> String {
+        let start = &self.input[..self.input.len().min(200)];
+        format!(
+            "seed {}, case {}: {}\n{}",
+            options.seed,
+            self.case,
+            self.wrong,
+            start.escape_ascii()
+        )
+    }
+
+    /// Writes the file into a directory and says how to try it again.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn write(&self, target: &Target, options: &Options, directory: &Path) -> std::io::Result<String> {
+        let file = directory.join(format!("{}-{}-{}", target.name, options.seed, self.case));
+        std::fs::write(&file, &self.input)?;
+        Ok(format!(
+            "cargo run -p hearsight-fuzz -- {} {}",
+            target.name,
+            file.display()
+        ))
+    }
 }
 
 /// What a run saw.
@@ -85,8 +113,9 @@ pub fn run_one(target: &Target, input: &[u8]) -> Result<Verdict, String> {
     Guard::new(target, None).attempt(input).verdict
 }
 
-/// Tries the seeds of a target and what comes of damaging them.
-pub fn run(target: &Target, options: &Options) -> Report {
+/// Tries the seeds of a target and what comes of damaging them. `tell` hears of every finding at once, since a later
+/// case may end the process.
+pub fn run(target: &Target, options: &Options, tell: &mut dyn FnMut(&Finding)) -> Report {
     let mut run = Run {
         guard: Guard::new(target, options.trace.clone()),
         coverage: Coverage::default(),
@@ -95,6 +124,7 @@ pub fn run(target: &Target, options: &Options) -> Report {
         kept: Vec::new(),
         read: Vec::new(),
         report: Report::default(),
+        tell,
     };
     let begun = Instant::now();
     for seed in (target.seeds)() {
@@ -128,6 +158,7 @@ struct Run<'a> {
     /// What was read in a new way.
     read: Vec<Vec<u8>>,
     report: Report,
+    tell: &'a mut dyn FnMut(&Finding),
 }
 
 impl Run<'_> {
@@ -168,10 +199,10 @@ impl Run<'_> {
             }
             Err(wrong) => {
                 if self.wrong.len() < MOST_FINDINGS && self.wrong.insert(kind(&wrong)) {
-                    // At once: a later case may end the process.
-                    eprintln!("case {case}: {wrong}");
                     let input = shrink(&mut self.guard, input, &wrong);
-                    self.report.findings.push(Finding { wrong, case, input });
+                    let finding = Finding { wrong, case, input };
+                    (self.tell)(&finding);
+                    self.report.findings.push(finding);
                 }
             }
         }

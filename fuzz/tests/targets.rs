@@ -11,25 +11,14 @@ use std::path::Path;
 fn explore(name: &str) {
     let target = TARGETS.iter().find(|target| target.name == name).unwrap();
     let options = Options::from_environment().unwrap();
-    let report = run(target, &options);
+    let report = run(target, &options, &mut |finding| {
+        let again = finding.write(target, &options, Path::new(env!("CARGO_TARGET_TMPDIR")));
+        eprintln!("{name}: {}\n{}", finding.describe(&options), again.unwrap());
+    });
     println!(
         "{name}: {} cases from seed {}, {} read, {} kept",
         report.cases, options.seed, report.read, report.kept
     );
-    for (number, finding) in report.findings.iter().enumerate() {
-        let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{}-{number}", options.seed));
-        std::fs::write(&file, &finding.input).unwrap();
-        let start = &finding.input[..finding.input.len().min(200)];
-        eprintln!(
-            "{name}: seed {}, case {}: {}",
-            options.seed, finding.case, finding.wrong
-        );
-        eprintln!(
-            "cargo run -p hearsight-fuzz -- {name} {}\n{}",
-            file.display(),
-            start.escape_ascii()
-        );
-    }
     assert!(
         report.findings.is_empty(),
         "{} findings, printed above",
