@@ -101,9 +101,13 @@ impl Pose {
 
     /// A sensor at `position` whose z axis points at `target`, upright: its x axis is horizontal and, unless it looks
     /// straight up or down, its y axis points below the horizon. Straight up or down, x is the world's x. `None`
-    /// where the two are the same place or not finite.
+    /// where the two are the same place, not finite, or so far apart that their distance is not finite.
     pub fn looking_at(position: WorldPoint, target: WorldPoint) -> Option<Self> {
-        let forward = (target.0 - position.0).try_normalize(1e-12)?;
+        let offset = target.0 - position.0;
+        if !offset.norm().is_finite() {
+            return None;
+        }
+        let forward = offset.try_normalize(1e-12)?;
         let right = forward
             .cross(&Vector3::z())
             .try_normalize(1e-9)
@@ -167,5 +171,6 @@ mod tests {
         assert!(above.y < 0.0, "up in the world is up in the picture: {above}");
         assert_eq!(Pose::looking_at(eye, eye), None);
         assert_eq!(Pose::looking_at(eye, WorldPoint::new(f64::NAN, 0.0, 0.0)), None);
+        assert_eq!(Pose::looking_at(eye, WorldPoint::new(0.0, 1e308, 1.0)), None);
     }
 }

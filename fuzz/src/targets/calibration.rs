@@ -67,6 +67,7 @@ pub(super) const TARGET: Target = Target {
             include_str!("../../seeds/calibration/ros.yaml"),
             include_str!("../../seeds/calibration/bouguet.json"),
             include_str!("../../seeds/calibration/corpus.json"),
+            include_str!("../../seeds/went-wrong/calibration/look-at-infinity.toml"),
         ])
     },
     open: || {

@@ -155,7 +155,9 @@ fn placement(camera: &Node<'_>) -> Result<Option<Pose>, CalibrationError> {
         (Some(_), Some(turn)) => Err(turn.invalid("give either `look_at_m` or `rotation`, not both")),
         (Some(look_at), None) => Pose::looking_at(position, point(&look_at)?)
             .map(Some)
-            .ok_or_else(|| look_at.invalid("it must be another place than `position_m`")),
+            .ok_or_else(|| {
+                look_at.invalid("it must be another place than `position_m`, at a finite distance")
+            }),
         (None, Some(node)) => {
             let turn = rotation(node.matrix::<3, 3>()?).map_err(|reason| node.invalid(reason))?;
             Ok(Some(pose(turn, -(turn * position.0.coords))))
