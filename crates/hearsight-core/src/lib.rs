@@ -9,6 +9,7 @@
 //! * [`picture`] — views of grey and colour pictures and binary masks.
 //! * [`moment`] — what arrived within one tick; [`source`] — the traits of what delivers it.
 //! * [`record`] — the published scene, with its schema version.
+//! * [`truth`] — what is really so, as a simulation writes and a judge reads it.
 
 pub mod calibration;
 pub mod camera;
@@ -20,6 +21,7 @@ pub mod record;
 pub mod room;
 pub mod source;
 pub mod time;
+pub mod truth;
 
 pub use camera::{Camera, CameraModel, Projection};
 pub use geometry::{CameraPoint, DistortedPixel, Pose, Ray, UndistortedPixel, WorldPoint};
