@@ -6,7 +6,7 @@
 //! * [`geometry`] — poses, points and pixels, each frame of reference a type of its own.
 //! * [`camera`] — lenses: points of the world to pixels and back; [`microphones`] — arrays and their delays.
 //! * [`calibration`] — files to cameras.
-//! * [`picture`] — views of grey and colour pictures and binary masks.
+//! * [`picture`] — views of grey and colour pictures and binary masks; [`yuv`] — what video stores, to colours.
 //! * [`moment`] — what arrived within one tick; [`source`] — the traits of what delivers it.
 //! * [`record`] — the published scene, with its schema version.
 //! * [`truth`] — what is really so, as a simulation writes and a judge reads it.
@@ -22,6 +22,7 @@ pub mod room;
 pub mod source;
 pub mod time;
 pub mod truth;
+pub mod yuv;
 
 pub use camera::{Camera, CameraModel, Projection};
 pub use geometry::{CameraPoint, DistortedPixel, Pose, Ray, UndistortedPixel, WorldPoint};

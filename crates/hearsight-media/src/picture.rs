@@ -4,19 +4,20 @@
 //! frame's own memory: the result is the same on every machine, whatever SIMD it has. swscale first brings anything
 //! else to a form that this module takes, and pictures that change their size in mid-stream to the declared size.
 
-use crate::matrix::{Matrix, luma_from_rgb};
+use crate::matrix::{luma_from_rgb, primaries};
 use ffmpeg_next::color;
 use ffmpeg_next::format::Pixel;
 use ffmpeg_next::frame;
 use ffmpeg_next::software::scaling;
 use hearsight_core::VideoFrame;
+use hearsight_core::yuv::YuvMatrix;
 
 /// Turns libav frames of any format into frames of one size.
 pub(crate) struct PictureConverter {
     width: usize,
     height: usize,
     scaler: Option<Scaler>,
-    matrix: Option<(color::Space, bool, Matrix)>,
+    matrix: Option<(color::Space, bool, YuvMatrix)>,
 }
 
 struct Scaler {
@@ -87,7 +88,11 @@ impl PictureConverter {
         let space = picture.color_space();
         let matrix = match &mut self.matrix {
             Some((known, range, matrix)) if *known == space && *range == full => matrix,
-            slot => &mut slot.insert((space, full, Matrix::new(space, full))).2,
+            slot => {
+                &mut slot
+                    .insert((space, full, YuvMatrix::new(primaries(space), full)))
+                    .2
+            }
         };
         let (luma, blue, red) = (picture.data(0), picture.data(1), picture.data(2));
         let (luma_stride, blue_stride, red_stride) =
@@ -97,10 +102,7 @@ impl PictureConverter {
             let codes = &luma[y * luma_stride..][..width];
             let u = &blue[(y >> down) * blue_stride..][..chroma_width];
             let v = &red[(y >> down) * red_stride..][..chroma_width];
-            let gray = &mut frame.luma[y * width..][..width];
-            for (gray, code) in gray.iter_mut().zip(codes) {
-                *gray = matrix.luma[usize::from(*code)];
-            }
+            matrix.luma_row(codes, &mut frame.luma[y * width..][..width]);
             let rgb = &mut frame.rgb[y * width * 3..][..width * 3];
             if across == 1 {
                 matrix.row_of_pairs(codes, u, v, rgb);

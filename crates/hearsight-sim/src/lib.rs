@@ -4,6 +4,8 @@
 //! commands that they receive. What comes out are pictures and samples like those of real sensors, and apart from them
 //! the truth, which only a judge may see. This crate tracks nobody and knows no tracker.
 //!
+//! * [`render`] — pictures of it, and the truth of who is seen in them.
 //! * [`world`] — who and what is in the room, and where it is at any instant.
 
+pub mod render;
 pub mod world;
