@@ -17,6 +17,7 @@
 pub use hearsight_audio as audio;
 pub use hearsight_core as core;
 pub use hearsight_engine as engine;
+pub use hearsight_eval as eval;
 pub use hearsight_filter as filter;
 pub use hearsight_media as media;
 pub use hearsight_systems as systems;
