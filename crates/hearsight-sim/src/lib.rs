@@ -4,8 +4,12 @@
 //! commands that they receive. What comes out are pictures and samples like those of real sensors, and apart from them
 //! the truth, which only a judge may see. This crate tracks nobody and knows no tracker.
 //!
-//! * [`render`] — pictures of it, and the truth of who is seen in them.
 //! * [`world`] — who and what is in the room, and where it is at any instant.
+//! * [`render`] — pictures of it, and the truth of who is seen in them.
+//! * [`acoustics`] — what microphones hear of sources that move in a room with echoes.
+//! * [`voice`] — what people and things sound like, and who speaks when.
 
+pub mod acoustics;
 pub mod render;
+pub mod voice;
 pub mod world;

@@ -1,0 +1,7 @@
+//! What people and things sound like, and who speaks when. Everything is a pure function of time and seed.
+//!
+//! * [`draw_turns`] — a conversation: who speaks from when to when.
+
+mod turns;
+
+pub use turns::{Turn, TurnSettings, draw_turns};
