@@ -8,4 +8,5 @@
 mod cascade_files;
 mod cascades;
 mod common;
+mod mean_shift;
 mod pictures;
