@@ -8,7 +8,7 @@ mod voices;
 mod world;
 
 use hearsight::core::{Instant, RgbView, Span};
-use hearsight::media::{OverlayOptions, OverlayWriter};
+use hearsight::media::{VideoWriter, VideoWriterOptions};
 use miette::{Context, IntoDiagnostic};
 use std::path::{Path, PathBuf};
 
@@ -80,12 +80,12 @@ fn write_sound(world: &World, path: &Path) -> miette::Result<()> {
 fn write_video(world: &World, path: &Path) -> miette::Result<()> {
     let failed = || path.display().to_string();
     let interval = Span::from_seconds(1.0 / FRAMES_PER_SECOND);
-    let options = OverlayOptions {
+    let options = VideoWriterOptions {
         interval,
         quality: QUALITY,
-        ..OverlayOptions::default()
+        ..VideoWriterOptions::default()
     };
-    let mut writer = OverlayWriter::create(path, world::WIDTH, world::HEIGHT, &options).into_diagnostic()?;
+    let mut writer = VideoWriter::create(path, world::WIDTH, world::HEIGHT, &options).into_diagnostic()?;
     let mut painter = painter::Painter::new(5);
     let mut rgb = Vec::new();
     for number in 0..(world.seconds * FRAMES_PER_SECOND) as i64 {

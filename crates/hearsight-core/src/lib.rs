@@ -5,7 +5,7 @@
 //! * [`Instant`], [`Span`] — nanoseconds on the common clock.
 //! * [`geometry`] — poses, points and pixels, each frame of reference a type of its own.
 //! * [`camera`] — lenses: points of the world to pixels and back; [`microphones`] — arrays and their delays.
-//! * [`calibration`] — files to cameras.
+//! * [`calibration`] — files to cameras; [`configuration`] — files that people write, and errors that point into them.
 //! * [`picture`] — views of grey and colour pictures and binary masks; [`yuv`] — what video stores, to colours.
 //! * [`moment`] — what arrived within one tick; [`source`] — the traits of what delivers it.
 //! * [`record`] — the published scene, with its schema version.
@@ -13,6 +13,7 @@
 
 pub mod calibration;
 pub mod camera;
+pub mod configuration;
 pub mod geometry;
 pub mod microphones;
 pub mod moment;

@@ -3,18 +3,16 @@
 //! [`raw`] holds what people may write, [`parse`] turns text into it and does nothing else, [`resolve`] reads the
 //! files that it names and checks that it makes sense. Paths are relative to the configuration file.
 
-mod document;
 mod geometry;
 mod parameters;
 mod parse;
-mod problem;
 pub mod raw;
 mod resolve;
 mod resolved;
 mod sensors;
 
-pub use parse::{Overrides, parse, room_schema};
-pub use problem::{ConfigurationError, Problem};
+pub use hearsight_core::configuration::{ConfigurationError, Overrides, Problem};
+pub use parse::{parse, room_schema};
 pub use resolve::{load, load_room, resolve};
 pub use resolved::{
     Input, ResolvedArray, ResolvedCamera, ResolvedOutput, ResolvedRoom, ResolvedRun, ResolvedSystem,

@@ -1,4 +1,4 @@
-//! Encoders for overlay video: which there are, with settings fast enough to run beside a tracker.
+//! Encoders: which there are, with settings fast enough to run beside a tracker.
 
 use crate::error::EncodeError;
 use crate::libav;
@@ -9,7 +9,7 @@ use ffmpeg_next::{Codec, Dictionary, Error, Rational, color, encoder, frame};
 /// Units of encoded time a second; whole for every common frame rate.
 pub(crate) const UNITS_PER_SECOND: i32 = 90_000;
 
-/// An encoder for overlay video.
+/// An encoder of video.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Encoder {
     /// The first of VP9, H.264 by OpenH264 and AV1 that the installed libav has: all play in browsers, none is GPL.
@@ -21,6 +21,8 @@ pub enum Encoder {
     Av1,
     /// H.264 by OpenH264 (BSD licence), else by libx264, whose licence is the GPL: only who asks for it gets it.
     H264,
+    /// FFV1, which keeps every bit of 4:2:0 pictures, in QuickTime files.
+    Lossless,
     /// libav's name of any other encoder.
     Named(String),
 }
@@ -33,7 +35,16 @@ impl Encoder {
             Self::Vp9 => vec!["libvpx-vp9"],
             Self::Av1 => vec!["libsvtav1", "libaom-av1"],
             Self::H264 => vec!["libopenh264", "libx264"],
+            Self::Lossless => vec!["ffv1"],
             Self::Named(name) => vec![name],
+        }
+    }
+
+    /// libav's name of the kind of file.
+    pub(crate) fn container(&self) -> &'static str {
+        match self {
+            Self::Lossless => "mov",
+            _ => "mp4",
         }
     }
 
@@ -92,7 +103,9 @@ pub(crate) fn open(chosen: Codec, settings: &Settings) -> Result<encoder::video:
     video.set_time_base(Rational::new(1, UNITS_PER_SECOND));
     let rate = settings.frames_per_second.clamp(0.01, 1000.0);
     video.set_frame_rate(Some(Rational::new((rate * 1000.0).round() as i32, 1000)));
-    video.set_gop((rate * settings.keyframe_seconds).round().clamp(1.0, 1000.0) as u32);
+    // Lossless pictures stand each for itself: one that is damaged costs no other.
+    let gop = (rate * settings.keyframe_seconds).round().clamp(1.0, 1000.0) as u32;
+    video.set_gop(if chosen.name() == "ffv1" { 1 } else { gop });
     video.set_max_b_frames(0);
     // Without a quality of its own an encoder gets a rate that suits the size.
     let bits = settings.width as f64 * settings.height as f64 * rate * 0.15;
@@ -126,6 +139,13 @@ fn private_options(name: &str, settings: &Settings) -> Dictionary<'static> {
             ]
         }
         "libsvtav1" => vec![("preset", "12"), ("crf", &quality)],
+        // Version 3 with slices and their checksums.
+        "ffv1" => vec![
+            ("level", "3"),
+            ("slices", "4"),
+            ("slicecrc", "1"),
+            ("coder", "rice"),
+        ],
         "libx264" => vec![
             ("preset", "veryfast"),
             ("tune", "zerolatency"),
@@ -134,6 +154,23 @@ fn private_options(name: &str, settings: &Settings) -> Dictionary<'static> {
         _ => Vec::new(),
     };
     pairs.into_iter().collect()
+}
+
+/// Copies planes of 4:2:0 (luma, blue, red; rows without gaps) into a libav frame.
+pub(crate) fn copy_planes(planes: [&[u8]; 3], picture: &mut frame::Video) {
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    let sizes = [
+        (width, height),
+        (width.div_ceil(2), height.div_ceil(2)),
+        (width.div_ceil(2), height.div_ceil(2)),
+    ];
+    for (plane, (codes, (width, height))) in planes.into_iter().zip(sizes).enumerate() {
+        let stride = picture.stride(plane);
+        let rows = picture.data_mut(plane).chunks_mut(stride).take(height);
+        for (row, codes) in rows.zip(codes.chunks_exact(width)) {
+            row[..width].copy_from_slice(codes);
+        }
+    }
 }
 
 /// Interleaved R, G, B to limited-range BT.601 4:2:0, chroma averaged over two by two pixels.

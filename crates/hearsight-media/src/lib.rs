@@ -1,4 +1,4 @@
-//! Files, streams and devices to moments on one clock, and overlay video back to files: the senses of Hearsight.
+//! Files, streams and devices to moments on one clock, and pictures and sound back to files: the senses of Hearsight.
 //!
 //! This crate turns outside bytes into timed pictures and samples and nothing more: it tracks nobody, and whatever is
 //! wrong with the bytes becomes a typed error when opening and a [`Fault`](hearsight_core::Fault) afterwards, never a
@@ -9,7 +9,7 @@
 //! * [`LiveVideo`] and [`LiveAudio`] put a source behind a bounded queue that drops the oldest, or pace a recording
 //!   as if it were live.
 //! * [`MomentReader`] aligns any number of sources on one clock and builds [`Moment`](hearsight_core::Moment)s.
-//! * [`Canvas`] draws on pictures, [`OverlayWriter`] writes them as MP4.
+//! * [`Canvas`] draws on pictures, [`VideoWriter`] writes them as MP4 or without any loss, [`SoundWriter`] sound as WAV.
 
 mod audio_file;
 mod audio_stream;
@@ -25,7 +25,6 @@ mod live;
 mod location;
 mod matrix;
 mod moments;
-mod overlay;
 mod pending;
 mod picture;
 mod queue;
@@ -33,8 +32,10 @@ mod reader;
 mod refusal;
 mod resample;
 mod samples;
+mod sound_writer;
 mod timeline;
 mod video_file;
+mod video_writer;
 mod wav;
 
 pub use audio_file::{AudioFile, AudioOptions};
@@ -47,5 +48,6 @@ pub use images::{ImageOptions, ImageSequence};
 pub use input::InputOptions;
 pub use live::{LiveAudio, LiveVideo, Pace, QueueOptions};
 pub use moments::{Camera, Microphones, MomentOptions, MomentReader};
-pub use overlay::{OverlayOptions, OverlayWriter};
+pub use sound_writer::{SampleForm, SoundWriter};
 pub use video_file::{VideoCounts, VideoFile, VideoOptions};
+pub use video_writer::{VideoWriter, VideoWriterOptions};

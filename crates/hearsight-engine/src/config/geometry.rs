@@ -1,13 +1,13 @@
 //! Places and lenses: calibration files and positions of microphones.
 
-use super::document::{Field, suggest};
-use super::problem::ConfigurationError;
 use super::raw::{RawArray, RawCalibration, RawCalibrationFile, RawMicrophonesFile};
 use super::resolve::Resolver;
 use hearsight_core::WorldPoint;
 use hearsight_core::calibration::{
     Calibration, CalibrationError, CalibrationFormat, FORMATS, load_camera, parse_camera,
 };
+use hearsight_core::configuration::ConfigurationError;
+use hearsight_core::configuration::{Field, suggest};
 use std::collections::BTreeMap;
 use std::path::Path;
 

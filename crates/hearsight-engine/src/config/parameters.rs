@@ -2,8 +2,8 @@
 //!
 //! Whether a value is in range is the system's own to judge; it does not know where in the file it stands.
 
-use super::document::{Document, Field, suggest};
-use super::problem::ConfigurationError;
+use hearsight_core::configuration::ConfigurationError;
+use hearsight_core::configuration::{Document, Field, suggest};
 use serde_json::Value;
 
 /// Checks values against one schema.

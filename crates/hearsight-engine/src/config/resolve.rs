@@ -1,12 +1,12 @@
 //! Raw configuration to resolved objects: defaults, files of geometry, and whether it all makes sense.
 
-use super::document::{Document, Field, suggest};
 use super::parameters::Checker;
-use super::parse::{Overrides, parse};
-use super::problem::ConfigurationError;
+use super::parse::parse;
 use super::raw::{RawRoom, RawRun, RawSystem};
 use super::resolved::{ResolvedOutput, ResolvedRoom, ResolvedRun, ResolvedSystem};
 use crate::sinks;
+use hearsight_core::configuration::ConfigurationError;
+use hearsight_core::configuration::{Document, Field, Overrides, suggest};
 use hearsight_core::microphones::SPEED_OF_SOUND_M_S;
 use hearsight_core::{Instant, Span};
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,12 +1,12 @@
 //! Cameras and arrays: one source each, starts, rates, channels and geometry.
 
-use super::document::{Field, suggest};
 use super::geometry;
-use super::problem::ConfigurationError;
 use super::raw::{RawArray, RawCamera};
 use super::resolve::Resolver;
 use super::resolved::{Input, ResolvedArray, ResolvedCamera};
 use hearsight_core::Instant;
+use hearsight_core::configuration::ConfigurationError;
+use hearsight_core::configuration::{Field, suggest};
 use std::collections::BTreeSet;
 
 const DEFAULT_IMAGE_RATE_HZ: f64 = 25.0;

@@ -4,7 +4,7 @@ use super::{Sink, SinkContext, SinkError, SinkInfo, Tick};
 use crate::summary::Summary;
 use hearsight_core::record::{TrackPhase, TrackRecord, ViewRecord};
 use hearsight_core::{Rectangle, RgbView};
-use hearsight_media::{Canvas, OverlayOptions, OverlayWriter, identity_color};
+use hearsight_media::{Canvas, VideoWriter, VideoWriterOptions, identity_color};
 use std::path::PathBuf;
 
 pub(super) const INFO: SinkInfo = SinkInfo {
@@ -23,11 +23,11 @@ const OUTLINE_PX: f32 = 1.5;
 fn open(context: &SinkContext<'_>) -> Result<Box<dyn Sink>, SinkError> {
     let videos = context.room.cameras.iter().map(|camera| {
         let path = context.directory.join(format!("{}.mp4", camera.name));
-        let options = OverlayOptions {
+        let options = VideoWriterOptions {
             interval: camera.interval,
-            ..OverlayOptions::default()
+            ..VideoWriterOptions::default()
         };
-        let writer = OverlayWriter::create(&path, camera.width, camera.height, &options)
+        let writer = VideoWriter::create(&path, camera.width, camera.height, &options)
             .map_err(|error| SinkError::new(&path, error))?;
         Ok(Video {
             camera: camera.name.clone(),
@@ -50,7 +50,7 @@ struct Overlay {
 struct Video {
     camera: String,
     path: PathBuf,
-    writer: Option<OverlayWriter>,
+    writer: Option<VideoWriter>,
 }
 
 impl Sink for Overlay {
@@ -83,7 +83,7 @@ impl Sink for Overlay {
     fn finish(&mut self, _: &Summary) -> Result<(), SinkError> {
         let mut result = Ok(());
         for video in &mut self.videos {
-            let finished = video.writer.take().map_or(Ok(()), OverlayWriter::finish);
+            let finished = video.writer.take().map_or(Ok(()), VideoWriter::finish);
             result = result.and(finished.map_err(|error| SinkError::new(&video.path, error)));
         }
         result

@@ -2,7 +2,7 @@
 
 use miette::{Diagnostic, NamedSource, SourceSpan};
 
-/// What is wrong with a `room.toml`, where, and what helps.
+/// What is wrong with a configuration file, where, and what helps.
 #[derive(Clone, Debug, thiserror::Error, Diagnostic)]
 #[error(transparent)]
 #[diagnostic(transparent)]

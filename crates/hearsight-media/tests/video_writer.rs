@@ -1,4 +1,4 @@
-//! Overlay video is read back as it was written, survives an interruption, and plays in Chromium.
+//! Video is read back as it was written, survives an interruption, and plays in Chromium.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot prepare its input fails")]
 
@@ -8,8 +8,8 @@ use common::read_all;
 use hearsight_core::source::{Delivery, VideoSource};
 use hearsight_core::{Instant, Rectangle, RgbView, Span, VideoFrame};
 use hearsight_media::{
-    Canvas, EncodeError, Encoder, OverlayOptions, OverlayWriter, VideoFile, VideoOptions, available_encoders,
-    identity_color,
+    Canvas, EncodeError, Encoder, VideoFile, VideoOptions, VideoWriter, VideoWriterOptions,
+    available_encoders, identity_color,
 };
 use std::path::Path;
 use std::process::Command;
@@ -43,8 +43,8 @@ fn picture(index: usize, rgb: &mut Vec<u8>) {
     );
 }
 
-fn write(path: &Path, frames: usize, options: &OverlayOptions) -> OverlayWriter {
-    let mut writer = OverlayWriter::create(path, WIDTH, HEIGHT, options).unwrap();
+fn write(path: &Path, frames: usize, options: &VideoWriterOptions) -> VideoWriter {
+    let mut writer = VideoWriter::create(path, WIDTH, HEIGHT, options).unwrap();
     let mut rgb = Vec::new();
     let mut spent = std::time::Duration::ZERO;
     for index in 0..frames {
@@ -80,9 +80,9 @@ fn what_is_written_is_read_back() {
         write(
             &path,
             75,
-            &OverlayOptions {
+            &VideoWriterOptions {
                 encoder,
-                ..OverlayOptions::default()
+                ..VideoWriterOptions::default()
             },
         )
         .finish()
@@ -122,10 +122,57 @@ fn what_is_written_is_read_back() {
 }
 
 #[test]
+fn lossless_video_keeps_every_bit_and_every_time() {
+    let place = tempfile::tempdir().unwrap();
+    for (width, height, rate) in [(64, 48, 15_i64), (35, 17, 30)] {
+        let path = place.path().join(format!("{width}.mov"));
+        let interval = Span::from_seconds(1.0 / rate as f64);
+        let options = VideoWriterOptions {
+            encoder: Encoder::Lossless,
+            interval,
+            ..VideoWriterOptions::default()
+        };
+        let mut writer = VideoWriter::create(&path, width, height, &options).unwrap();
+        let noise = |seed: usize, length: usize| -> Vec<u8> {
+            (0..length)
+                .map(|at| ((at * 7919 + seed * 104_729) % 251) as u8)
+                .collect()
+        };
+        let chroma = width.div_ceil(2) * height.div_ceil(2);
+        let mut wanted = Vec::new();
+        for index in 0..40_usize {
+            let planes = [width * height, chroma, chroma].map(|length| noise(index + length, length));
+            let time = Instant::ZERO + Span::of_samples(index as i64, rate as u32);
+            writer
+                .write_planes(time, [&planes[0], &planes[1], &planes[2]])
+                .unwrap();
+            // BT.601-7, limited range: from code to full-range luma.
+            let luma = |code: u8| {
+                ((f64::from(code) - 16.0) * 255.0 / 219.0)
+                    .round()
+                    .clamp(0.0, 255.0) as u8
+            };
+            wanted.push((time, planes[0].iter().map(|code| luma(*code)).collect::<Vec<_>>()));
+        }
+        writer.finish().unwrap();
+        let mut video = VideoFile::open(&path, VideoOptions::default()).unwrap();
+        assert_eq!(video.format().interval, Span::of_samples(1, rate as u32));
+        let (mut frame, mut faults) = (VideoFrame::default(), Vec::new());
+        for (index, (time, luma)) in wanted.iter().enumerate() {
+            assert_eq!(video.read(&mut frame, &mut faults), Delivery::Data, "{index}");
+            assert_eq!(frame.time, *time, "{index}");
+            assert!(frame.luma == *luma, "{index}");
+        }
+        assert_eq!(video.read(&mut frame, &mut faults), Delivery::End);
+        assert_eq!(faults, []);
+    }
+}
+
+#[test]
 fn uneven_times_and_odd_sizes_are_kept() {
     let place = tempfile::tempdir().unwrap();
     let path = place.path().join("odd.mp4");
-    let mut writer = OverlayWriter::create(&path, 35, 17, &OverlayOptions::default()).unwrap();
+    let mut writer = VideoWriter::create(&path, 35, 17, &VideoWriterOptions::default()).unwrap();
     let times = [0, 40, 80, 200, 233, 1000];
     let rgb = vec![90; 35 * 17 * 3];
     for time in times {
@@ -162,7 +209,7 @@ fn uneven_times_and_odd_sizes_are_kept() {
 fn an_interrupted_file_still_plays() {
     let place = tempfile::tempdir().unwrap();
     let path = place.path().join("interrupted.mp4");
-    let writer = write(&path, 120, &OverlayOptions::default());
+    let writer = write(&path, 120, &VideoWriterOptions::default());
     let copy = place.path().join("copy.mp4");
     std::fs::copy(&path, &copy).unwrap();
     drop(writer);
@@ -174,23 +221,21 @@ fn an_interrupted_file_still_plays() {
 
 #[test]
 fn what_cannot_be_written_is_said() {
-    let options = OverlayOptions::default();
-    let error = OverlayWriter::create("/nowhere/at/all.mp4", 64, 48, &options)
+    let options = VideoWriterOptions::default();
+    let error = VideoWriter::create("/nowhere/at/all.mp4", 64, 48, &options)
         .err()
         .unwrap();
     assert!(matches!(error, EncodeError::Unwritable { .. }), "{error}");
-    let named = OverlayOptions {
+    let named = VideoWriterOptions {
         encoder: Encoder::Named("none".to_owned()),
         ..options.clone()
     };
-    let error = OverlayWriter::create("/tmp/x.mp4", 64, 48, &named).err().unwrap();
+    let error = VideoWriter::create("/tmp/x.mp4", 64, 48, &named).err().unwrap();
     assert!(
         matches!(&error, EncodeError::NoEncoder { available, .. } if available.contains("vp9")),
         "{error}"
     );
-    let error = OverlayWriter::create("/tmp/x.mp4", 0, 48, &options)
-        .err()
-        .unwrap();
+    let error = VideoWriter::create("/tmp/x.mp4", 0, 48, &options).err().unwrap();
     assert!(matches!(error, EncodeError::Refused { .. }), "{error}");
 }
 
@@ -202,9 +247,13 @@ fn chromium_plays_it() {
         return;
     }
     let place = tempfile::tempdir().unwrap();
-    write(&place.path().join("overlay.mp4"), 75, &OverlayOptions::default())
-        .finish()
-        .unwrap();
+    write(
+        &place.path().join("overlay.mp4"),
+        75,
+        &VideoWriterOptions::default(),
+    )
+    .finish()
+    .unwrap();
     let page = r#"<body><pre id="out"></pre><video id="video" muted></video><script>
         const video = document.getElementById("video"), out = document.getElementById("out");
         let ready = false;

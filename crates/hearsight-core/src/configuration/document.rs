@@ -7,14 +7,14 @@ use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 
 /// The text of a configuration file with its name.
-pub(crate) struct Document {
+pub struct Document {
     name: String,
     text: String,
 }
 
 /// The way to a field: `camera[1].start`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Field(Vec<Step>);
+pub struct Field(Vec<Step>);
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Step {
@@ -24,19 +24,19 @@ enum Step {
 
 impl Field {
     /// The field of the top level.
-    pub(crate) fn of(key: &str) -> Self {
+    pub fn of(key: &str) -> Self {
         Self::default().key(key)
     }
 
     /// A field inside this one.
-    pub(crate) fn key(&self, key: &str) -> Self {
+    pub fn key(&self, key: &str) -> Self {
         let mut steps = self.0.clone();
         steps.push(Step::Key(key.to_owned()));
         Self(steps)
     }
 
     /// An element of this list, from 0.
-    pub(crate) fn index(&self, index: usize) -> Self {
+    pub fn index(&self, index: usize) -> Self {
         let mut steps = self.0.clone();
         steps.push(Step::Index(index));
         Self(steps)
@@ -58,7 +58,7 @@ impl fmt::Display for Field {
 
 impl Document {
     /// A document from its name (as errors show it) and text.
-    pub(crate) fn new(name: &str, text: &str) -> Self {
+    pub fn new(name: &str, text: &str) -> Self {
         Self {
             name: name.to_owned(),
             text: text.to_owned(),
@@ -66,18 +66,18 @@ impl Document {
     }
 
     /// What errors call the file.
-    pub(crate) fn name(&self) -> &str {
+    pub fn name(&self) -> &str {
         &self.name
     }
 
     /// The text.
-    pub(crate) fn text(&self) -> &str {
+    pub fn text(&self) -> &str {
         &self.text
     }
 
     /// An error at `field`: "`<file>: <field>: <what>`", pointing at the field or the nearest part of the way to it
     /// that the text has.
-    pub(crate) fn error(
+    pub fn error(
         &self,
         field: &Field,
         what: impl fmt::Display,
@@ -89,7 +89,7 @@ impl Document {
     }
 
     /// An error at a known place.
-    pub(crate) fn error_at(
+    pub fn error_at(
         &self,
         span: Option<Range<usize>>,
         what: &str,
@@ -139,7 +139,7 @@ impl Document {
 }
 
 /// The known word nearest to `word`, where one is near enough to be a slip of the hand.
-pub(crate) fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     known
         .into_iter()
         .map(|candidate| (strsim::jaro_winkler(word, candidate), candidate))
@@ -149,7 +149,7 @@ pub(crate) fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) 
 }
 
 /// A sentence with a suggestion where there is one, and the whole list of what is known.
-pub(crate) fn suggest(word: &str, known: &[&str]) -> String {
+pub fn suggest(word: &str, known: &[&str]) -> String {
     let list = known.join(", ");
     match nearest(word, known.iter().copied()) {
         Some(candidate) => format!("did you mean `{candidate}`? Known here: {list}"),

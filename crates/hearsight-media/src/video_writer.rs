@@ -1,4 +1,4 @@
-//! Overlay video: pictures with their instants to an MP4 file that browsers play.
+//! Video files: pictures with their instants to MP4 that browsers play, or kept to the last bit.
 
 use crate::encode::{self, Encoder, Settings, UNITS_PER_SECOND};
 use crate::error::EncodeError;
@@ -7,9 +7,9 @@ use ffmpeg_next::{Dictionary, Error, Packet, Rational, color, encoder, frame};
 use hearsight_core::{Instant, RgbView, Span};
 use std::path::Path;
 
-/// How an overlay video is written.
+/// How a video is written.
 #[derive(Clone, Debug)]
-pub struct OverlayOptions {
+pub struct VideoWriterOptions {
     /// Which encoder; default is the first free one that is installed.
     pub encoder: Encoder,
     /// Quality from 1 (best) to 63 (worst); default 33.
@@ -20,7 +20,7 @@ pub struct OverlayOptions {
     pub threads: usize,
 }
 
-impl Default for OverlayOptions {
+impl Default for VideoWriterOptions {
     fn default() -> Self {
         Self {
             encoder: Encoder::Automatic,
@@ -31,9 +31,10 @@ impl Default for OverlayOptions {
     }
 }
 
-/// Writes pictures as MP4. The file is fragmented, so it plays to within a second of where an interrupted run ended;
-/// [`OverlayWriter::finish`] closes it, and dropping the writer tries to.
-pub struct OverlayWriter {
+/// Writes pictures as MP4, or as QuickTime (`.mov`) where the encoder is [`Encoder::Lossless`]: both keep the times of
+/// pictures to 1/90000 s, which is exact at every usual rate. The file is fragmented, so it plays to within a second of where an interrupted run ended;
+/// [`VideoWriter::finish`] closes it, and dropping the writer tries to.
+pub struct VideoWriter {
     // The encoder goes before the file, whose stream copies its parameters.
     encoder: encoder::video::Encoder,
     output: format::context::Output,
@@ -49,7 +50,7 @@ pub struct OverlayWriter {
     finished: bool,
 }
 
-impl OverlayWriter {
+impl VideoWriter {
     /// Creates the file for pictures of the given size, replacing one that is there.
     ///
     /// # Errors
@@ -58,7 +59,7 @@ impl OverlayWriter {
         path: impl AsRef<Path>,
         width: usize,
         height: usize,
-        options: &OverlayOptions,
+        options: &VideoWriterOptions,
     ) -> Result<Self, EncodeError> {
         let path = path.as_ref();
         let shown = path.to_string_lossy().into_owned();
@@ -93,17 +94,22 @@ impl OverlayWriter {
         }
         let encoder = encode::open(chosen, &settings).map_err(refused)?;
         let failed = |error: Error| unwritable(error.to_string());
-        let mut output = format::output_as(text, "mp4").map_err(failed)?;
+        let mut output = format::output_as(text, options.encoder.container()).map_err(failed)?;
         output
             .add_stream_with(&encoder)
             .map_err(failed)?
             .set_time_base(Rational::new(1, UNITS_PER_SECOND));
-        let muxing: Dictionary<'_> = [
-            ("movflags", "frag_keyframe+empty_moov+default_base_moof"),
-            ("flush_packets", "1"),
-        ]
-        .into_iter()
-        .collect();
+        // Every lossless picture is a keyframe, so that fragments are cut by time there.
+        let cut = match options.encoder {
+            Encoder::Lossless => ("movflags", "empty_moov+default_base_moof"),
+            _ => ("movflags", "frag_keyframe+empty_moov+default_base_moof"),
+        };
+        let mut muxing = Dictionary::new();
+        muxing.set(cut.0, cut.1);
+        if options.encoder == Encoder::Lossless {
+            muxing.set("frag_duration", "1000000");
+        }
+        muxing.set("flush_packets", "1");
         output.write_header_with(muxing).map_err(failed)?;
         let time_base = output
             .stream(0)
@@ -128,18 +134,31 @@ impl OverlayWriter {
     /// A picture of the wrong size or not later than the one before (it is left out and the writer goes on), or a
     /// file that cannot be written.
     pub fn write(&mut self, time: Instant, picture: RgbView<'_>) -> Result<(), EncodeError> {
+        let expected = self.width * self.height * 3;
+        if (picture.width, picture.height) != (self.width, self.height) || picture.data.len() != expected {
+            return Err(self.wrong_size(picture.data.len()));
+        }
+        self.encode(time, |frame| encode::planes_from_rgb(picture.data, frame))
+    }
+
+    /// Like [`VideoWriter::write`], of limited-range BT.601 planes: luma, then blue and red of half the width and
+    /// height, rounded up.
+    ///
+    /// # Errors
+    /// As [`VideoWriter::write`].
+    pub fn write_planes(&mut self, time: Instant, planes: [&[u8]; 3]) -> Result<(), EncodeError> {
+        let chroma = self.width.div_ceil(2) * self.height.div_ceil(2);
+        let expected = [self.width * self.height, chroma, chroma];
+        if planes.map(<[u8]>::len) != expected {
+            return Err(self.wrong_size(planes.iter().map(|plane| plane.len()).sum()));
+        }
+        self.encode(time, |frame| encode::copy_planes(planes, frame))
+    }
+
+    fn encode(&mut self, time: Instant, fill: impl FnOnce(&mut frame::Video)) -> Result<(), EncodeError> {
         if self.finished {
             return Err(EncodeError::Finished {
                 path: self.path.clone(),
-            });
-        }
-        let expected = self.width * self.height * 3;
-        if (picture.width, picture.height) != (self.width, self.height) || picture.data.len() != expected {
-            return Err(EncodeError::WrongSize {
-                path: self.path.clone(),
-                found: picture.data.len(),
-                width: self.width,
-                height: self.height,
             });
         }
         let first = *self.first.get_or_insert(time);
@@ -154,15 +173,24 @@ impl OverlayWriter {
         }
         self.last = Some(units);
         // The encoder may keep a reference to the last picture, so each gets memory of its own.
-        let mut planes = frame::Video::new(Pixel::YUV420P, self.width as u32, self.height as u32);
-        planes.set_color_range(color::Range::MPEG);
-        planes.set_color_space(color::Space::SMPTE170M);
-        encode::planes_from_rgb(picture.data, &mut planes);
-        planes.set_pts(Some(units));
+        let mut frame = frame::Video::new(Pixel::YUV420P, self.width as u32, self.height as u32);
+        frame.set_color_range(color::Range::MPEG);
+        frame.set_color_space(color::Space::SMPTE170M);
+        fill(&mut frame);
+        frame.set_pts(Some(units));
         self.encoder
-            .send_frame(&planes)
+            .send_frame(&frame)
             .map_err(|error| self.unwritable(error))?;
         self.drain()
+    }
+
+    fn wrong_size(&self, found: usize) -> EncodeError {
+        EncodeError::WrongSize {
+            path: self.path.clone(),
+            found,
+            width: self.width,
+            height: self.height,
+        }
     }
 
     /// Closes the file.
@@ -215,10 +243,10 @@ impl OverlayWriter {
     }
 }
 
-impl Drop for OverlayWriter {
+impl Drop for VideoWriter {
     fn drop(&mut self) {
         if let Err(error) = self.close() {
-            tracing::error!(%error, "an overlay video could not be closed");
+            tracing::error!(%error, "a video could not be closed");
         }
     }
 }
