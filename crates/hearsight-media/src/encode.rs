@@ -122,6 +122,12 @@ fn private_options(name: &str, settings: &Settings) -> Dictionary<'static> {
     let quality = u32::from(settings.quality.clamp(1, 63)).to_string();
     // The scale of H.264 ends at 51 where that of VP9 and AV1 ends at 63.
     let short_quality = (u32::from(settings.quality.clamp(1, 63)) * 51 / 63).to_string();
+    // Odd sizes cannot be cut in this version of the format.
+    let slices = if settings.width.is_multiple_of(2) && settings.height.is_multiple_of(2) {
+        "4"
+    } else {
+        "1"
+    };
     let pairs: Vec<(&str, &str)> = match name {
         "libvpx-vp9" => vec![
             ("deadline", "realtime"),
@@ -139,10 +145,10 @@ fn private_options(name: &str, settings: &Settings) -> Dictionary<'static> {
             ]
         }
         "libsvtav1" => vec![("preset", "12"), ("crf", &quality)],
-        // Version 3 with slices and their checksums.
+        // Version 3 with checksums of slices.
         "ffv1" => vec![
             ("level", "3"),
-            ("slices", "4"),
+            ("slices", slices),
             ("slicecrc", "1"),
             ("coder", "rice"),
         ],
