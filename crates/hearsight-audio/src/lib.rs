@@ -11,7 +11,7 @@
 //! 2. [`frames::Framer`] cuts blocks of any length into overlapping frames with their exact instants.
 //! 3. [`spectrum::SpectrumAnalyzer`] transforms each channel once; all pairs share the spectra.
 //! 4. [`noise::NoiseFloor`] follows the noise, [`onset::OnsetFilter`] picks the frames that reverberation has not
-//!    reached yet, [`activity::ActivityDetector`] says whether anybody speaks.
+//!    reached yet, [`direct::DirectShare`] the frequencies, [`activity::ActivityDetector`] says whether anybody speaks.
 //! 5. [`correlation::Correlator`] gives the generalized cross-correlation of a pair; [`bands::BandBank`] splits it
 //!    into bands, and [`agreement::Agreement`] combines them where they agree.
 //! 6. [`bearing`] turns the delay of a pair into an angle and a column, [`steered`] the correlations of many pairs into an
@@ -26,6 +26,7 @@ pub mod bands;
 pub mod bearing;
 pub mod correlation;
 pub mod curve;
+pub mod direct;
 mod error;
 pub mod frames;
 pub mod levels;

@@ -55,7 +55,6 @@ struct View {
 /// The system.
 pub struct Stac {
     views: Vec<View>,
-    speaker_least: hearsight_tracking::speaker::SpeakerSettings,
     next_identity: u64,
     last: Option<Instant>,
 }
@@ -99,7 +98,6 @@ fn build(parameters: &Value, room: &Room, seed: u64) -> Result<Box<dyn System>, 
         .collect();
     Ok(Box::new(Stac {
         views: views?,
-        speaker_least: parameters.speaker,
         next_identity: 0,
         last: None,
     }))
@@ -233,8 +231,8 @@ impl View {
         Ok(())
     }
 
-    fn record(&self, scene: &mut Scene, settings: &hearsight_tracking::speaker::SpeakerSettings) {
-        let speaker = self.tracker.state().speaker.speaking(settings);
+    fn record(&self, scene: &mut Scene) {
+        let speaker = self.tracker.speaking();
         let with_sound = self.heard.is_some();
         for belief in self.tracker.published() {
             let Some(id) = belief.identity else { continue };
@@ -259,7 +257,11 @@ impl View {
             });
         }
         if let (Some(heard), Some((_, array))) = (&self.heard, &self.array) {
-            if let Some(delay_s) = heard.onset_delay_s().or_else(|| heard.voice_delay_s()) {
+            let talker_s = || {
+                let sound = heard.direction().sound_s() > 0.0;
+                self.tracker.state().speaker.delay_s().filter(|_| sound)
+            };
+            if let Some(delay_s) = heard.onset_delay_s().or_else(talker_s) {
                 scene.sounds.push(SoundRecord {
                     array: array.clone(),
                     delay_s,
@@ -269,7 +271,7 @@ impl View {
                     track: speaker,
                 });
             }
-            scene.nobody_probability = self.tracker.state().speaker.nobody_probability();
+            scene.nobody_probability = self.tracker.nobody_probability();
             scene.speaker = scene.speaker.or(speaker);
         }
     }
@@ -300,7 +302,7 @@ impl System for Stac {
         scene.nobody_probability = None;
         scene.faults.clone_from(&moment.faults);
         for view in &self.views {
-            view.record(scene, &self.speaker_least);
+            view.record(scene);
         }
         scene.tracks.sort_by_key(|track| track.id);
     }

@@ -1,11 +1,12 @@
-//! Who speaks: one decision over every track and "nobody".
+//! Who speaks: one decision over everyone believed in, whoever is not seen, and silence.
 //!
-//! A hidden Markov model whose states are the published tracks and "nobody"; its forward probabilities are the saved
-//! state. While there is sound, a track explains it by the height of the correlation at the delay of its mouth, with the
-//! likelihood of the sound cue (stac, eq. 8, corrected); "nobody" (a person outside the picture, a noise) explains every
-//! sound as well as a correlation of middling height would.
+//! A hidden Markov model whose forward probabilities are the saved state. Its states are the people (tracks and scouts), an
+//! unseen talker at each delay that the microphones allow, and silence. Sound is explained by each of them through the
+//! likelihood of their delay ([`DirectionPercept`]); an unseen talker stays an explanation where sound goes on from where
+//! nobody is seen, so that a person who stands there silent is not taken for the talker. Somebody who comes into the
+//! picture where an unseen talker is heard takes over from them.
 
-use crate::percepts::ArrayPercepts;
+use crate::percepts::DirectionPercept;
 use hearsight_core::Span;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -14,182 +15,483 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SpeakerSettings {
-    /// Half the width of the window around the delay of a mouth in which the correlation is looked at, seconds. Default
-    /// 1.0e-4: half a head's width at two metres between microphones a metre apart. Raising it forgives bad calibration and
-    /// confuses neighbours.
+    /// Standard deviation of the delay of a mouth for all that is not in the spread of its track, seconds. Default
+    /// 6.0e-5: 2 cm of path, from calibration, the size of heads and the width of a peak. Raising it forgives bad
+    /// calibration and confuses neighbours.
     pub tolerance_s: f64,
-    /// Width of the likelihood of a height (sigma_A of eq. 8). Default 0.3.
-    pub sigma: f64,
-    /// Height of correlation at which a track explains a sound just as well as "nobody", 0 to 1. Default 0.45. Raising it
-    /// decides for people more rarely.
-    pub even_height: f64,
-    /// Time over which what is heard counts once, seconds. Default 0.05. Raising it decides more slowly and surely.
-    pub independent_s: f64,
-    /// Mean time for which one speaker goes on unheard, seconds. Default 0.5. Raising it switches later.
+    /// Mean time for which somebody speaks before another does or all are silent, seconds. Default 2. Lowering it
+    /// switches sooner and more often wrongly.
     pub turn_s: f64,
-    /// How fast silence makes "nobody" likelier: change of the logarithm of odds a second. Default 4.
+    /// Mean time of silence before somebody speaks, seconds. Default 0.6.
+    pub pause_s: f64,
+    /// How fast silence speaks against everybody, and sound against silence: change of the logarithm of odds a second.
+    /// Default 12: pauses within a turn last a fifth of a second, and longer than a third seldom.
     pub silence: f64,
-    /// Probability before anything is heard that the sound of a moment comes from nobody in the picture, 0 to 1.
-    /// Default 0.3.
-    pub nobody: f64,
-    /// Probability that a track must reach to be called the speaker, 0 to 1. Default 0.5.
+    /// Probability, against that of one person in the picture, that whoever begins to speak is not seen. Default 0.5.
+    pub unseen: f64,
+    /// How far an unseen talker's delay wanders in a second, as a share of the greatest delay. Default 0.05: a walk at
+    /// some metres.
+    pub wander: f64,
+    /// Time after which a talker heard where somebody is seen is taken for that person, seconds. Default 0.1.
+    pub claim_s: f64,
+    /// Probability, that somebody in the picture speaks, from which the likeliest of them is called the speaker, 0 to
+    /// 1. Default 0.5.
     pub least: f64,
 }
 
 impl Default for SpeakerSettings {
     fn default() -> Self {
         Self {
-            tolerance_s: 1.0e-4,
-            sigma: 0.3,
-            even_height: 0.45,
-            independent_s: 0.05,
-            turn_s: 0.5,
-            silence: 4.0,
-            nobody: 0.3,
+            tolerance_s: 6.0e-5,
+            turn_s: 2.0,
+            pause_s: 0.6,
+            silence: 12.0,
+            unseen: 0.5,
+            wander: 0.05,
+            claim_s: 0.1,
             least: 0.5,
         }
     }
 }
 
-/// A track as the decision sees it.
+/// A person as the decision sees them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Voice {
-    /// Its identity.
-    pub identity: u64,
-    /// Delay of its mouth, seconds, where known.
+    /// Number of the belief.
+    pub number: u64,
+    /// Probability that there is a person at all, 0 to 1.
+    pub existence: f64,
+    /// Delay of the mouth, seconds, where known.
     pub delay_s: Option<f64>,
-    /// Whether it is hidden, so that its place is less sure.
-    pub hidden: bool,
+    /// Standard deviation of that delay by the spread of the belief, seconds.
+    pub deviation_s: f64,
 }
 
 /// Probabilities of speaking, saved from step to step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Speaker {
-    nobody: f64,
-    people: Vec<(u64, f64)>,
-    heard: bool,
+    silence: f64,
+    /// An unseen talker at each delay of the correlation's curve; empty before any sound.
+    unseen: Vec<f64>,
+    /// Seconds from one delay to the next.
+    step_s: f64,
+    people: Vec<Person>,
+    listened: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Person {
+    number: u64,
+    probability: f64,
+    existence: f64,
+    delay_s: Option<f64>,
+    deviation_s: f64,
+}
+
+/// Who of the tracks speaks, given each identity and its probability: the likeliest one, where it is likely that one of
+/// them does.
+pub fn decide(tracks: impl Iterator<Item = (u64, f64)>, settings: &SpeakerSettings) -> Option<u64> {
+    let mut sum = 0.0;
+    let mut best: Option<(u64, f64)> = None;
+    for (identity, probability) in tracks {
+        sum += probability;
+        if best.is_none_or(|(_, highest)| probability > highest) {
+            best = Some((identity, probability));
+        }
+    }
+    best.filter(|(_, probability)| sum >= settings.least && *probability > 0.0)
+        .map(|(identity, _)| identity)
 }
 
 impl Default for Speaker {
     fn default() -> Self {
         Self {
-            nobody: 1.0,
+            silence: 1.0,
+            unseen: Vec::new(),
+            step_s: 0.0,
             people: Vec::new(),
-            heard: false,
+            listened: false,
         }
     }
 }
 
 impl Speaker {
-    /// The probability that nobody in the picture speaks; `None` before any sound.
-    pub fn nobody_probability(&self) -> Option<f64> {
-        self.heard.then_some(self.nobody)
+    /// Whether it has listened to any moment yet.
+    pub fn has_listened(&self) -> bool {
+        self.listened
     }
 
-    /// The probability that a track speaks, 0 where it is unknown.
-    pub fn probability_of(&self, identity: u64) -> f64 {
+    /// The probability that a belief speaks, 0 where it is unknown.
+    pub fn probability_of(&self, number: u64) -> f64 {
         self.people
             .iter()
-            .find(|(known, _)| *known == identity)
-            .map_or(0.0, |(_, probability)| *probability)
+            .find(|person| person.number == number)
+            .map_or(0.0, |person| person.probability)
     }
 
-    /// The track that speaks, if any does.
-    pub fn speaking(&self, settings: &SpeakerSettings) -> Option<u64> {
-        self.people
+    /// Where the talker is heard who is likeliest, seen or not, seconds.
+    pub fn delay_s(&self) -> Option<f64> {
+        let unseen: f64 = self.unseen.iter().sum();
+        let person = self
+            .people
             .iter()
-            .copied()
-            .filter(|(_, probability)| *probability >= settings.least && *probability > self.nobody)
-            .max_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|(identity, _)| identity)
+            .max_by(|a, b| a.probability.total_cmp(&b.probability))
+            .filter(|person| person.probability >= unseen && person.probability > 0.0);
+        if let Some(delay_s) = person.and_then(|person| person.delay_s) {
+            return Some(delay_s);
+        }
+        let (index, _) = self
+            .unseen
+            .iter()
+            .enumerate()
+            .max_by(|a, b| a.1.total_cmp(b.1))
+            .filter(|_| unseen > 0.0)?;
+        Some(self.delay_of(index))
     }
 
-    /// Takes in what the array heard since the last call, over the tracks that are there now.
+    /// Takes in what the array heard since the last call, over the people who are believed in now.
     pub fn listen(
         &mut self,
         voices: &[Voice],
-        array: &ArrayPercepts,
+        direction: &DirectionPercept,
         elapsed: Span,
         settings: &SpeakerSettings,
     ) {
-        self.predict(voices, elapsed, settings);
-        if array.has_sound() {
-            self.explain(voices, array, elapsed, settings);
-        } else {
-            self.be_silent(elapsed, settings);
-        }
-        self.heard = true;
+        let curve = direction.log_ratio();
+        let [sound_s, silence_s] = [direction.sound_s(), direction.silence_s()];
+        self.take(
+            voices,
+            &curve.values,
+            curve.step_s,
+            [sound_s, silence_s],
+            elapsed.seconds().max(0.0),
+            settings,
+        );
     }
 
-    /// Follows the tracks that are there and lets every state change with time.
-    fn predict(&mut self, voices: &[Voice], elapsed: Span, settings: &SpeakerSettings) {
-        let before = std::mem::take(&mut self.people);
-        let known = |identity| {
-            before
-                .iter()
-                .find(|(other, _)| *other == identity)
-                .map_or(0.0, |(_, probability)| *probability)
-        };
-        self.people = voices
-            .iter()
-            .map(|voice| (voice.identity, known(voice.identity)))
-            .collect();
-        // Whoever left took their speaking along: it is nobody's in the picture now.
-        let kept: f64 = self.people.iter().map(|(_, probability)| probability).sum();
-        self.nobody = (1.0 - kept).max(0.0);
-        let stay = (-elapsed.seconds().max(0.0) / settings.turn_s.max(1e-3)).exp();
-        let each = (1.0 - settings.nobody) / voices.len().max(1) as f64;
-        let nobody = if voices.is_empty() { 1.0 } else { settings.nobody };
-        self.nobody = stay * self.nobody + (1.0 - stay) * nobody;
-        for (_, probability) in &mut self.people {
-            *probability = stay * *probability + (1.0 - stay) * each;
-        }
-    }
-
-    fn be_silent(&mut self, elapsed: Span, settings: &SpeakerSettings) {
-        let factor = (-settings.silence * elapsed.seconds().max(0.0)).exp();
-        for (_, probability) in &mut self.people {
-            *probability *= factor;
-        }
-        self.normalize();
-    }
-
-    fn explain(
+    /// One step, over `log_ratio` for each delay, seconds of sound and of silence in the moment, and seconds elapsed.
+    fn take(
         &mut self,
         voices: &[Voice],
-        array: &ArrayPercepts,
-        elapsed: Span,
+        log_ratio: &[f32],
+        step_s: f64,
+        [sound_s, silence_s]: [f64; 2],
+        elapsed_s: f64,
         settings: &SpeakerSettings,
     ) {
-        let log_likelihood = |height: f64| -0.5 * ((1.0 - height) / settings.sigma.max(1e-3)).powi(2);
-        let share = (elapsed.seconds().max(0.0) / settings.independent_s.max(1e-3)).min(1.0);
-        let even = log_likelihood(settings.even_height);
-        for ((_, probability), voice) in self.people.iter_mut().zip(voices) {
-            let Some(delay_s) = voice.delay_s else { continue };
-            let tolerance_s = settings.tolerance_s * if voice.hidden { 2.0 } else { 1.0 };
-            let height = f64::from(array.voice_height(delay_s, tolerance_s));
-            *probability *= (share * (log_likelihood(height) - even)).exp();
+        if self.unseen.len() != log_ratio.len() {
+            // The first sound, or another array than before: whoever was unseen has no known place any more.
+            self.silence += self.unseen.iter().sum::<f64>();
+            self.unseen.clear();
+            self.unseen.resize(log_ratio.len(), 0.0);
         }
+        self.step_s = step_s.max(1e-9);
+        self.meet(voices, settings);
+        self.change(elapsed_s, settings);
+        self.wander(elapsed_s, settings);
+        self.claim(elapsed_s, settings);
+        if sound_s > 0.0 {
+            self.explain(log_ratio, sound_s, settings);
+        }
+        self.be_silent(silence_s, settings);
         self.normalize();
+        self.listened = true;
+    }
+
+    fn delay_of(&self, index: usize) -> f64 {
+        (index as f64 - (self.unseen.len() / 2) as f64) * self.step_s
+    }
+
+    /// Takes in who is there now. Whoever left goes on speaking unseen.
+    fn meet(&mut self, voices: &[Voice], settings: &SpeakerSettings) {
+        let mut place = 0;
+        while let Some(person) = self.people.get(place).copied() {
+            if voices.iter().any(|voice| voice.number == person.number) {
+                place += 1;
+                continue;
+            }
+            self.people.remove(place);
+            let sum: f64 = near(&person, self.unseen.len(), self.step_s, settings)
+                .map(|(_, weight)| weight)
+                .sum();
+            if sum > 0.0 {
+                for (index, weight) in near(&person, self.unseen.len(), self.step_s, settings) {
+                    self.unseen[index] += person.probability * weight / sum;
+                }
+            } else {
+                self.silence += person.probability;
+            }
+        }
+        for voice in voices {
+            let now = Person {
+                number: voice.number,
+                probability: self.probability_of(voice.number),
+                existence: voice.existence.clamp(0.0, 1.0),
+                delay_s: voice.delay_s,
+                deviation_s: voice.deviation_s,
+            };
+            match self
+                .people
+                .iter_mut()
+                .find(|person| person.number == voice.number)
+            {
+                Some(person) => *person = now,
+                None => self.people.push(now),
+            }
+        }
+    }
+
+    /// Turns end and begin: half of those that end are followed at once by another, half by silence.
+    fn change(&mut self, elapsed_s: f64, settings: &SpeakerSettings) {
+        let ended = 1.0 - (-elapsed_s / settings.turn_s.max(1e-3)).exp();
+        let broken = 1.0 - (-elapsed_s / settings.pause_s.max(1e-3)).exp();
+        let talking = self.people.iter().map(|person| person.probability).sum::<f64>()
+            + self.unseen.iter().sum::<f64>();
+        let beginning = 0.5 * ended * talking + broken * self.silence;
+        // Before any sound there is no curve, and nobody unseen.
+        let unseen = if self.unseen.is_empty() {
+            0.0
+        } else {
+            settings.unseen.max(0.0)
+        };
+        let weights = unseen + self.people.iter().map(|person| person.existence).sum::<f64>();
+        let share = if weights > 0.0 { beginning / weights } else { 0.0 };
+        for person in &mut self.people {
+            person.probability = (1.0 - ended) * person.probability + share * person.existence;
+        }
+        let each = share * unseen / self.unseen.len().max(1) as f64;
+        for probability in &mut self.unseen {
+            *probability = (1.0 - ended) * *probability + each;
+        }
+        self.silence = (1.0 - broken) * self.silence + 0.5 * ended * talking;
+    }
+
+    /// Lets unseen talkers walk: repeated smoothing with three weights, in place.
+    fn wander(&mut self, elapsed_s: f64, settings: &SpeakerSettings) {
+        if self.unseen.len() < 3 {
+            return;
+        }
+        let half = (self.unseen.len() / 2) as f64;
+        let variance = (settings.wander * half).powi(2) * elapsed_s;
+        // A quarter to each side adds a variance of a half; what lies beyond 64 passes is spread out anyway.
+        let passes = (2.0 * variance).ceil().clamp(0.0, 64.0);
+        if passes == 0.0 {
+            return;
+        }
+        let side = (0.5 * variance / passes).min(0.25);
+        for _ in 0..passes as usize {
+            let mut before = self.unseen[0];
+            for index in 0..self.unseen.len() {
+                let own = self.unseen[index];
+                let after = self.unseen.get(index + 1).copied().unwrap_or(own);
+                self.unseen[index] = own + side * (before - 2.0 * own + after);
+                before = own;
+            }
+        }
+    }
+
+    /// Lets people take over from unseen talkers at their own delay.
+    fn claim(&mut self, elapsed_s: f64, settings: &SpeakerSettings) {
+        let rate = 1.0 - (-elapsed_s / settings.claim_s.max(1e-3)).exp();
+        let count = self.unseen.len();
+        for person in &mut self.people {
+            for (index, weight) in near(person, count, self.step_s, settings) {
+                let taken = rate * person.existence * weight * self.unseen[index];
+                self.unseen[index] -= taken;
+                person.probability += taken;
+            }
+        }
+    }
+
+    /// Weighs every explanation of the sound of a moment. Without any known delay only its loudness counts.
+    fn explain(&mut self, log_ratio: &[f32], sound_s: f64, settings: &SpeakerSettings) {
+        self.silence *= (-settings.silence * sound_s).exp();
+        if !self.people.is_empty() && self.people.iter().all(|person| person.delay_s.is_none()) {
+            return;
+        }
+        let highest = log_ratio.iter().copied().fold(0.0, f32::max);
+        let likelihood = |index: usize| f64::from(log_ratio[index] - highest).exp();
+        let count = log_ratio.len();
+        let everywhere = (0..count).map(likelihood).sum::<f64>() / count.max(1) as f64;
+        for person in &mut self.people {
+            let (mut sum, mut weights) = (0.0, 0.0);
+            for (index, weight) in near(person, count, self.step_s, settings) {
+                sum += weight * likelihood(index);
+                weights += weight;
+            }
+            person.probability *= if weights > 0.0 { sum / weights } else { everywhere };
+        }
+        for (index, probability) in self.unseen.iter_mut().enumerate() {
+            *probability *= likelihood(index);
+        }
+        self.silence *= f64::from(-highest).exp();
+    }
+
+    fn be_silent(&mut self, silence_s: f64, settings: &SpeakerSettings) {
+        let factor = (-settings.silence * silence_s).exp();
+        for person in &mut self.people {
+            person.probability *= factor;
+        }
+        for probability in &mut self.unseen {
+            *probability *= factor;
+        }
     }
 
     fn normalize(&mut self) {
-        let sum = self.nobody
-            + self
-                .people
-                .iter()
-                .map(|(_, probability)| probability)
-                .sum::<f64>();
-        if !(sum > 0.0 && sum.is_finite()) {
-            self.nobody = 1.0;
-            self.people
-                .iter_mut()
-                .for_each(|(_, probability)| *probability = 0.0);
-            return;
+        let sum = self.silence
+            + self.people.iter().map(|person| person.probability).sum::<f64>()
+            + self.unseen.iter().sum::<f64>();
+        let valid = sum > 0.0 && sum.is_finite();
+        let scale = if valid { sum.recip() } else { 0.0 };
+        for person in &mut self.people {
+            person.probability *= scale;
         }
-        self.nobody /= sum;
-        self.people
-            .iter_mut()
-            .for_each(|(_, probability)| *probability /= sum);
+        for probability in &mut self.unseen {
+            *probability *= scale;
+        }
+        self.silence = if valid { self.silence * scale } else { 1.0 };
+        if !valid {
+            self.unseen.fill(0.0);
+            self.people.iter_mut().for_each(|person| person.probability = 0.0);
+        }
+    }
+}
+
+/// The places of a curve of `count` delays near a person's own, each with its weight: a Gaussian, 1 in the middle.
+fn near(
+    person: &Person,
+    count: usize,
+    step_s: f64,
+    settings: &SpeakerSettings,
+) -> impl Iterator<Item = (usize, f64)> + use<> {
+    let deviation = settings.tolerance_s.hypot(person.deviation_s).max(1e-9) / step_s;
+    let middle = person
+        .delay_s
+        .map(|delay_s| (delay_s / step_s + (count / 2) as f64).clamp(0.0, count.saturating_sub(1) as f64));
+    let middle = middle.filter(|middle| middle.is_finite() && deviation.is_finite());
+    let range = middle.map_or(0..0, |middle| {
+        let first = (middle - 3.0 * deviation).floor().max(0.0) as usize;
+        let last = (middle + 3.0 * deviation).ceil().min(count as f64) as usize;
+        first..last.saturating_add(1).min(count)
+    });
+    let middle = middle.unwrap_or(0.0);
+    range.map(move |index| {
+        let distance = (index as f64 - middle) / deviation;
+        (index, (-0.5 * distance * distance).exp())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STEP_S: f64 = 2.0e-5;
+    const HALF: usize = 100;
+
+    fn voice(number: u64, delay_s: f64) -> Voice {
+        Voice {
+            number,
+            existence: 1.0,
+            delay_s: Some(delay_s),
+            deviation_s: 0.0,
+        }
+    }
+
+    /// What is heard in 40 ms: a talker at a delay, or silence.
+    struct Heard(Option<f64>);
+
+    fn run(speaker: &mut Speaker, voices: &[Voice], heard: &Heard, ticks: usize) {
+        let settings = SpeakerSettings::default();
+        let curve: Vec<f32> = (0..=2 * HALF)
+            .map(|index| {
+                let delay_s = (index as f64 - HALF as f64) * STEP_S;
+                heard.0.map_or(0.0, |talker_s| {
+                    let distance = (delay_s - talker_s) / 8e-5;
+                    (1.2 * (-0.5 * distance * distance).exp() - 0.1) as f32
+                })
+            })
+            .collect();
+        for _ in 0..ticks {
+            let sound_s = if heard.0.is_some() { 0.04 } else { 0.0 };
+            speaker.take(voices, &curve, STEP_S, [sound_s, 0.04 - sound_s], 0.04, &settings);
+            let sum = speaker.silence
+                + speaker.unseen.iter().sum::<f64>()
+                + speaker
+                    .people
+                    .iter()
+                    .map(|person| person.probability)
+                    .sum::<f64>();
+            assert!((sum - 1.0).abs() < 1e-9, "{sum}");
+        }
+    }
+
+    #[test]
+    fn the_one_at_the_delay_of_the_sound_speaks_and_then_the_other() {
+        let voices = [voice(3, -0.0008), voice(7, 0.0006)];
+        let mut speaker = Speaker::default();
+        run(&mut speaker, &voices, &Heard(None), 25);
+        assert!(speaker.silence > 0.7, "{}", speaker.silence);
+        run(&mut speaker, &voices, &Heard(Some(0.0006)), 6);
+        assert!(speaker.probability_of(7) > 0.8, "{speaker:?}");
+        run(&mut speaker, &voices, &Heard(Some(-0.0008)), 12);
+        assert!(speaker.probability_of(3) > 0.8, "{speaker:?}");
+        run(&mut speaker, &voices, &Heard(None), 15);
+        assert!(speaker.silence > 0.7);
+    }
+
+    #[test]
+    fn somebody_silent_is_not_taken_for_an_unseen_talker() {
+        let voices = [voice(1, 0.0002)];
+        let mut speaker = Speaker::default();
+        run(&mut speaker, &voices, &Heard(Some(-0.0015)), 50);
+        assert!(speaker.probability_of(1) < 0.05, "{speaker:?}");
+        assert!(
+            speaker
+                .delay_s()
+                .is_some_and(|delay_s| (delay_s + 0.0015).abs() < 1e-4)
+        );
+    }
+
+    #[test]
+    fn a_newcomer_takes_over_from_the_unseen_talker_and_leaves_speaking() {
+        let mut speaker = Speaker::default();
+        run(&mut speaker, &[], &Heard(Some(0.001)), 25);
+        run(&mut speaker, &[voice(5, 0.001)], &Heard(Some(0.001)), 4);
+        assert!(speaker.probability_of(5) > 0.5, "{speaker:?}");
+        run(&mut speaker, &[], &Heard(None), 1);
+        let near: f64 = (HALF + 40..HALF + 60).map(|index| speaker.unseen[index]).sum();
+        assert!(near > 0.3, "{near}");
+    }
+
+    #[test]
+    fn one_person_of_unknown_place_speaks_when_there_is_sound() {
+        let unknown = Voice {
+            delay_s: None,
+            ..voice(2, 0.0)
+        };
+        let mut speaker = Speaker::default();
+        run(&mut speaker, &[unknown], &Heard(Some(0.001)), 20);
+        assert!(speaker.probability_of(2) > 0.5, "{speaker:?}");
+    }
+
+    #[test]
+    fn the_decision_needs_somebody_in_the_picture_to_be_likely() {
+        let settings = SpeakerSettings::default();
+        let tracks = [(1, 0.3), (2, 0.35)];
+        assert_eq!(decide(tracks.into_iter(), &settings), Some(2));
+        assert_eq!(decide(tracks.into_iter().take(1), &settings), None);
+        assert_eq!(decide(std::iter::empty(), &settings), None);
+    }
+
+    #[test]
+    fn what_is_not_a_number_does_not_spread() {
+        let mut speaker = Speaker::default();
+        let broken = Voice {
+            delay_s: Some(f64::NAN),
+            deviation_s: f64::INFINITY,
+            ..voice(4, 0.0)
+        };
+        run(&mut speaker, &[broken, voice(6, 0.0)], &Heard(Some(0.0)), 10);
+        assert!(speaker.probability_of(6).is_finite());
     }
 }

@@ -11,7 +11,7 @@ use crate::life_cycle::{
     log_ratio, may_begin, may_publish, meet, same_place, settle, surroundings, weaker,
 };
 use crate::percepts::{ArrayPercepts, CameraPercepts};
-use crate::speaker::{Speaker, SpeakerSettings, Voice};
+use crate::speaker::{Speaker, SpeakerSettings, Voice, decide};
 use crate::stage::{self, Scratch, Sight, Stage};
 use hearsight_core::{Instant, Rectangle, Span};
 use hearsight_filter::{FilterError, Particles, generator};
@@ -181,29 +181,52 @@ impl ViewTracker {
     /// Listens: updates who speaks. To be called at every moment with sound, after [`ViewTracker::see`].
     pub fn hear(&mut self, array: &ArrayPercepts, elapsed: Span) {
         self.voices.clear();
+        let body = self.composition.body.as_ref();
         for belief in &self.state.beliefs {
-            let Some(identity) = belief.identity else { continue };
             let mut state = [0.0; 4];
-            self.composition.body.state_from_head(&belief.head, &mut state);
-            let delay_s = self
-                .composition
-                .body
-                .sound_point(&state)
-                .and_then(|point| array.delay_s(point));
+            body.state_from_head(&belief.head, &mut state);
+            let delay = |state: &[f32]| body.sound_point(state).and_then(|point| array.delay_s(point));
+            let delay_s = delay(&state);
+            // To both sides by the spread of the belief: the column is what the delay hangs on.
+            let side = |sign: f32| {
+                let mut state = state;
+                state[0] += sign * belief.deviation[0];
+                delay(&state)
+            };
+            let deviation_s = side(1.0)
+                .zip(side(-1.0))
+                .map_or(0.0, |(right, left)| 0.5 * (right - left).abs());
             self.voices.push(Voice {
-                identity,
+                number: belief.number,
+                existence: belief.existence.probability(),
                 delay_s,
-                hidden: belief.occluded,
+                deviation_s,
             });
         }
-        self.state
-            .speaker
-            .listen(&self.voices, array, elapsed, &self.composition.speaker);
+        self.state.speaker.listen(
+            &self.voices,
+            array.direction(),
+            elapsed,
+            &self.composition.speaker,
+        );
         for belief in &mut self.state.beliefs {
-            belief.speaking = belief
-                .identity
-                .map_or(0.0, |identity| self.state.speaker.probability_of(identity));
+            belief.speaking = self.state.speaker.probability_of(belief.number);
         }
+    }
+
+    /// The identity of the track that speaks, if any does.
+    pub fn speaking(&self) -> Option<u64> {
+        let tracks = self
+            .published()
+            .filter_map(|belief| Some((belief.identity?, belief.speaking)));
+        decide(tracks, &self.composition.speaker)
+    }
+
+    /// The probability that no track speaks; `None` before the first moment that was listened to.
+    pub fn nobody_probability(&self) -> Option<f64> {
+        let somebody: f64 = self.published().map(|belief| belief.speaking).sum();
+        let listened = self.state.speaker.has_listened();
+        listened.then(|| (1.0 - somebody).clamp(0.0, 1.0))
     }
 
     /// Publishes the scouts that have earned it: known people get their old identity, others the next one.

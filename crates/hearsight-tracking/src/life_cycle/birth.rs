@@ -25,6 +25,9 @@ pub struct BirthSettings {
     pub torso_inside: f32,
     /// Longest wait for the torso, seconds. Default 0.8.
     pub patience_s: f64,
+    /// Probability of speaking from which a scout is published at once, as soon as it is likelier than not that there
+    /// is a person, 0 to 1. Default 0.5. Shadows and shoulders do not talk.
+    pub talking: f64,
     /// Least score of a detection that starts a scout. Default 0.45.
     pub score: f32,
     /// Largest share of change in the area above and beside a head (three heads wide, two high) at which it can start
@@ -45,6 +48,7 @@ impl Default for BirthSettings {
             stirred: 0.06,
             torso_inside: 0.5,
             patience_s: 0.8,
+            talking: 0.5,
             score: 0.45,
             crowded: 0.15,
             margin: 0.3,
@@ -92,8 +96,10 @@ pub(crate) fn may_publish(
     torso_inside: f32,
     settings: &BirthSettings,
 ) -> bool {
-    belief.support.seconds() >= settings.support_s
+    let talks = belief.speaking >= settings.talking && belief.existence.probability() > 0.5;
+    let held = belief.support.seconds() >= settings.support_s
         && belief.existence.probability() >= settings.probability
         && belief.stirred_s >= f64::from(settings.stirred) * belief.support.seconds()
-        && (torso_inside >= settings.torso_inside || (now - belief.born).seconds() >= settings.patience_s)
+        && (torso_inside >= settings.torso_inside || (now - belief.born).seconds() >= settings.patience_s);
+    held || talks
 }

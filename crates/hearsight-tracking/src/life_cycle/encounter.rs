@@ -159,5 +159,4 @@ fn exchange(beliefs: &mut [Belief], first: usize, second: usize) {
     std::mem::swap(&mut a.identity, &mut b.identity);
     std::mem::swap(&mut a.portrait, &mut b.portrait);
     std::mem::swap(&mut a.unknown_since, &mut b.unknown_since);
-    std::mem::swap(&mut a.speaking, &mut b.speaking);
 }

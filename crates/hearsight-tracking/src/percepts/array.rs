@@ -1,8 +1,10 @@
 //! What a microphone array hears: onsets, voice activity and the correlation of its first pair.
 //!
 //! The way of the sound (stac, section 2.2, corrected by E2, E3 and E5): 12 kHz, overlapping frames, signal to noise
-//! ratio of both microphones, onset filter, correlation in three bands, agreement of their peaks.
+//! ratio of both microphones, onset filter, correlation in three bands, agreement of their peaks. Beside it the evidence
+//! for deciding who speaks, which needs every frame and not only onsets: [`DirectionPercept`].
 
+use super::direction::{DirectionPercept, DirectionSettings, DirectionState};
 use hearsight_audio::AudioError;
 use hearsight_audio::activity::{ActivityDetector, ActivitySettings};
 use hearsight_audio::agreement::{Agreement, AgreementSettings};
@@ -11,7 +13,7 @@ use hearsight_audio::correlation::{Correlator, CorrelatorSettings};
 use hearsight_audio::curve::CorrelationCurve;
 use hearsight_audio::frames::{Frame, FrameSettings, Framer};
 use hearsight_audio::noise::{NoiseFloor, NoiseSettings, mean_square};
-use hearsight_audio::onset::{FrameClass, OnsetFilter, OnsetSettings};
+use hearsight_audio::onset::{OnsetFilter, OnsetSettings};
 use hearsight_audio::resample::{Resampler, ResamplerState};
 use hearsight_audio::spectrum::{Spectra, SpectrumAnalyzer, Window, power_into, transform_length};
 use hearsight_audio::weighting::{PairNoise, Weighting};
@@ -30,9 +32,6 @@ pub struct ArraySettings {
     pub hop_s: f64,
     /// How much each frequency counts. Default: noise-regularized with gamma 0.3 (stac, eq. 7 corrected).
     pub weighting: Weighting,
-    /// Time constant over which the correlation of all frames with sound is averaged for the decision who speaks,
-    /// seconds. Default 0.1. Raising it tells speakers apart more surely and later.
-    pub voice_s: f64,
     /// Whether the correlation is taken in three bands whose peaks must agree. Default true.
     pub bands: bool,
     /// Whether frames that reverberation has caught up with are left out. Default true; false takes every frame.
@@ -45,6 +44,8 @@ pub struct ArraySettings {
     pub onset: OnsetSettings,
     /// When sound counts as voice.
     pub activity: ActivitySettings,
+    /// From where the sound comes that decides who speaks.
+    pub direction: DirectionSettings,
 }
 
 impl Default for ArraySettings {
@@ -52,7 +53,6 @@ impl Default for ArraySettings {
         Self {
             frame_s: 0.128,
             hop_s: 0.02,
-            voice_s: 0.1,
             weighting: Weighting::NoiseRegularized { gamma: 0.3 },
             bands: true,
             onset_filter: true,
@@ -60,6 +60,7 @@ impl Default for ArraySettings {
             noise: NoiseSettings::default(),
             onset: OnsetSettings::default(),
             activity: ActivitySettings::default(),
+            direction: DirectionSettings::default(),
         }
     }
 }
@@ -69,6 +70,7 @@ impl Default for ArraySettings {
 pub struct ArrayState {
     resampler: Option<ResamplerState>,
     listener: Listener,
+    direction: DirectionState,
 }
 
 /// The part of the state that changes with every frame.
@@ -85,15 +87,6 @@ struct Remembered {
     spectra: [NoiseFloor; 2],
     onset: OnsetFilter,
     activity: ActivityDetector,
-    voice: Voice,
-}
-
-/// The correlation of everything that sounded lately.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-struct Voice {
-    average: Vec<f32>,
-    step_s: f64,
-    silent_s: f64,
 }
 
 /// Percepts of one array.
@@ -102,6 +95,7 @@ pub struct ArrayPercepts {
     speed_of_sound_m_s: f64,
     resampler: Option<Resampler>,
     listener: Listener,
+    direction: DirectionPercept,
     engine: Engine,
     resampled: AudioBlock,
     ignored: u64,
@@ -119,8 +113,6 @@ struct Engine {
     curve: CorrelationCurve,
     onset_sum: CorrelationCurve,
     onset_frames: u32,
-    voice: CorrelationCurve,
-    sounded: bool,
     active: bool,
     signal_to_noise_db: f32,
 }
@@ -186,9 +178,15 @@ impl ArrayPercepts {
                     spectra: [spectrum.clone(), spectrum],
                     onset: OnsetFilter::new(settings.onset)?,
                     activity: ActivityDetector::new(settings.activity)?,
-                    voice: Voice::default(),
                 },
             },
+            direction: DirectionPercept::new(
+                settings.direction,
+                &settings.noise,
+                RATE_HZ,
+                array.channels,
+                greatest_s,
+            )?,
             engine: Engine {
                 bank: BandBank::new(&THREE_BANDS, BandShape::default(), RATE_HZ, transform)?,
                 agreement: Agreement::new(settings.agreement)?,
@@ -200,8 +198,6 @@ impl ArrayPercepts {
                 curve: CorrelationCurve::default(),
                 onset_sum: CorrelationCurve::default(),
                 onset_frames: 0,
-                voice: CorrelationCurve::default(),
-                sounded: false,
                 active: false,
                 signal_to_noise_db: 0.0,
             },
@@ -215,6 +211,7 @@ impl ArrayPercepts {
         ArrayState {
             resampler: self.resampler.as_ref().map(|resampler| resampler.state().clone()),
             listener: self.listener.clone(),
+            direction: self.direction.state(),
         }
     }
 
@@ -227,12 +224,14 @@ impl ArrayPercepts {
             resampler.restore(remembered)?;
         }
         self.listener = state.listener;
+        self.direction.set_state(state.direction);
         Ok(())
     }
 
     /// Takes in the samples of a moment, or `None` where there are none. What was heard before is forgotten.
     pub fn hear(&mut self, block: Option<&AudioBlock>) {
         self.engine.begin();
+        self.direction.begin();
         let Some(block) = block else { return };
         let block = match &mut self.resampler {
             Some(resampler) => {
@@ -247,13 +246,16 @@ impl ArrayPercepts {
         let Listener { framer, remembered } = &mut self.listener;
         let engine = &mut self.engine;
         let hop_s = framer.settings().hop_s();
-        if framer
-            .push(block, |frame| engine.take(&frame, remembered, hop_s))
-            .is_err()
-        {
+        let framed = framer.push(block, |frame| engine.take(&frame, remembered, hop_s));
+        if framed.and(self.direction.hear(block)).is_err() {
             self.ignored += 1;
         }
-        engine.end(&remembered.voice);
+        engine.end();
+    }
+
+    /// From where the sound of this moment comes.
+    pub fn direction(&self) -> &DirectionPercept {
+        &self.direction
     }
 
     /// Whether there is a frame in this moment whose correlation the sound cue may use.
@@ -275,32 +277,6 @@ impl ArrayPercepts {
     pub fn onset_delay_s(&self) -> Option<f64> {
         if self.has_onset() {
             self.engine.onset_sum.peak().map(|peak| peak.delay_s)
-        } else {
-            None
-        }
-    }
-
-    /// Whether a frame of this moment holds sound, so that [`ArrayPercepts::voice_height`] says something new.
-    pub fn has_sound(&self) -> bool {
-        self.engine.sounded
-    }
-
-    /// Greatest height of the correlation averaged over everything that sounded lately, within `tolerance_s` of a
-    /// delay, as a share of its highest peak, 0 to 1.
-    pub fn voice_height(&self, delay_s: f64, tolerance_s: f64) -> f32 {
-        let curve = &self.engine.voice;
-        let step_s = curve.step_s.max(1e-6);
-        let reach = (tolerance_s / step_s).ceil().min(curve.values.len() as f64) as i64;
-        (-reach..=reach)
-            .map(|offset| curve.at(delay_s + (offset as f64 / reach.max(1) as f64) * tolerance_s))
-            .fold(0.0, f32::max)
-            .clamp(0.0, 1.0)
-    }
-
-    /// Delay of the highest peak of that correlation, seconds; `None` where nothing sounded lately.
-    pub fn voice_delay_s(&self) -> Option<f64> {
-        if self.engine.sounded {
-            self.engine.voice.peak().map(|peak| peak.delay_s)
         } else {
             None
         }
@@ -345,7 +321,6 @@ impl ArrayPercepts {
 impl Engine {
     fn begin(&mut self) {
         self.onset_frames = 0;
-        self.sounded = false;
     }
 
     /// Looks at one frame.
@@ -378,19 +353,7 @@ impl Engine {
             first: remembered.spectra[0].power(),
             second: remembered.spectra[1].power(),
         };
-        if class == FrameClass::Null {
-            remembered.voice.rest(hop_s);
-        } else if self.correlate_whole(noise).is_ok() {
-            remembered
-                .voice
-                .add(&self.curve, hop_s / self.settings.voice_s.max(hop_s));
-            self.sounded = true;
-        }
-        let wanted = if self.settings.onset_filter {
-            class.is_onset()
-        } else {
-            true
-        };
+        let wanted = class.is_onset() || !self.settings.onset_filter;
         if wanted && self.correlate(noise).is_ok() {
             self.add_onset();
         }
@@ -426,36 +389,9 @@ impl Engine {
         self.onset_frames += 1;
     }
 
-    fn end(&mut self, voice: &Voice) {
+    fn end(&mut self) {
         if self.onset_frames > 0 {
             self.onset_sum.normalize_to_peak();
-        }
-        if self.sounded {
-            self.voice.step_s = voice.step_s;
-            self.voice.values.clear();
-            self.voice.values.extend_from_slice(&voice.average);
-            self.voice.normalize_to_peak();
-        }
-    }
-}
-
-impl Voice {
-    /// Silence after which what sounded before says nothing about what sounds next, seconds.
-    const FORGOTTEN_S: f64 = 0.4;
-
-    fn rest(&mut self, hop_s: f64) {
-        self.silent_s += hop_s;
-        if self.silent_s >= Self::FORGOTTEN_S {
-            self.average.fill(0.0);
-        }
-    }
-
-    fn add(&mut self, curve: &CorrelationCurve, share: f64) {
-        self.silent_s = 0.0;
-        self.step_s = curve.step_s;
-        self.average.resize(curve.values.len(), 0.0);
-        for (average, value) in self.average.iter_mut().zip(&curve.values) {
-            *average += share as f32 * (value - *average);
         }
     }
 }

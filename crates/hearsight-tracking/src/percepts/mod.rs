@@ -5,8 +5,10 @@
 
 mod array;
 mod camera;
+mod direction;
 mod faces;
 
 pub use array::{ArrayPercepts, ArraySettings, ArrayState};
 pub use camera::{CameraPercepts, CameraSettings, CameraState, Detection};
+pub use direction::{DirectionPercept, DirectionSettings, DirectionState};
 pub use faces::{CameraError, FaceCascade, FaceSettings};
