@@ -54,6 +54,16 @@ impl Picture {
         (self.width.div_ceil(2), self.height.div_ceil(2))
     }
 
+    /// Gives the planes the size of a picture, keeping their memory.
+    pub(super) fn resize(&mut self, width: usize, height: usize) {
+        (self.width, self.height) = (width, height);
+        self.luma.resize(width * height, 0);
+        let (columns, rows) = self.chroma_size();
+        for plane in &mut self.chroma {
+            plane.resize(columns * rows, 0);
+        }
+    }
+
     /// Interleaved R, G, B and full-range luma, exactly as they are read from a lossless file of these planes that is
     /// tagged with their range: by [`YuvMatrix`].
     pub fn to_rgb(&self, rgb: &mut Vec<u8>, luma: &mut Vec<u8>) {
