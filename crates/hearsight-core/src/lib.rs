@@ -8,11 +8,13 @@
 //! * [`calibration`] — files to cameras; [`configuration`] — files that people write, and errors that point into them.
 //! * [`picture`] — views of grey and colour pictures and binary masks; [`yuv`] — what video stores, to colours.
 //! * [`moment`] — what arrived within one tick; [`source`] — the traits of what delivers it.
+//! * [`command`] — what is said to devices that move.
 //! * [`record`] — the published scene, with its schema version.
 //! * [`truth`] — what is really so, as a simulation writes and a judge reads it.
 
 pub mod calibration;
 pub mod camera;
+pub mod command;
 pub mod configuration;
 pub mod geometry;
 pub mod microphones;

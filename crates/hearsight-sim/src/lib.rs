@@ -4,6 +4,7 @@
 //! commands that they receive. What comes out are pictures and samples like those of real sensors, and apart from them
 //! the truth, which only a judge may see. This crate tracks nobody and knows no tracker.
 //!
+//! * [`scenario`] — the file that says it all, and how it is read.
 //! * [`world`] — who and what is in the room, and where it is at any instant.
 //! * [`render`] — pictures of it, and the truth of who is seen in them.
 //! * [`acoustics`] — what microphones hear of sources that move in a room with echoes.
@@ -11,5 +12,6 @@
 
 pub mod acoustics;
 pub mod render;
+pub mod scenario;
 pub mod voice;
 pub mod world;
