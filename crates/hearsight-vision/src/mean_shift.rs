@@ -299,7 +299,10 @@ impl Grid {
             return None;
         }
         let picture = Rectangle::new(0.0, 0.0, width as f32, height as f32);
-        let seen = bounds.intersection(&picture).area().min(std::f32::consts::FRAC_PI_4 * bounds.area());
+        let seen = bounds
+            .intersection(&picture)
+            .area()
+            .min(std::f32::consts::FRAC_PI_4 * bounds.area());
         let (x, y) = bounds.centre();
         Some(Self {
             x: x - 0.5,

@@ -20,6 +20,7 @@ pub use hearsight_engine as engine;
 pub use hearsight_eval as eval;
 pub use hearsight_filter as filter;
 pub use hearsight_media as media;
+pub use hearsight_sim as sim;
 pub use hearsight_systems as systems;
 pub use hearsight_tracking as tracking;
 pub use hearsight_vision as vision;

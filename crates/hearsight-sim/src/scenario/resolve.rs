@@ -266,12 +266,9 @@ impl Resolver {
 
     /// The last action of a person that moved the body and began by a time.
     pub(super) fn actions_before(&self, person: usize, time_s: f64) -> Option<usize> {
-        let begun = self
-            .actions
-            .get(person)?
-            .iter()
-            .filter(|(time, _)| *time <= time_s);
-        begun.last().map(|(_, number)| *number)
+        let actions = self.actions.get(person)?.iter().rev();
+        let mut begun = actions.filter(|(time, _)| *time <= time_s);
+        begun.next().map(|(_, number)| *number)
     }
 
     /// What a name stands for, of those that `fits` takes.

@@ -491,23 +491,24 @@ impl Part<'_> {
                 material: self.material,
             });
         };
-        let legs = |add: &mut dyn FnMut(&str, [f64; 3], [f64; 3]), thick: f64, high: f64| {
-            for (number, (x, y)) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)]
-                .into_iter()
-                .enumerate()
-            {
+        let legs = |thick: f64, high: f64| {
+            let corners = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+            corners.map(|(x, y)| {
                 let place = [
                     x * 0.5 * (length - thick),
                     y * 0.5 * (width - thick),
                     above + 0.5 * high,
                 ];
-                add(&format!("leg{}", number + 1), place, [thick, thick, high]);
-            }
+                (place, [thick, thick, high])
+            })
         };
+        const LEGS: [&str; 4] = ["leg1", "leg2", "leg3", "leg4"];
         match kind {
             FurnitureKind::Table => {
                 add("top", [0.0, 0.0, above + height - 0.02], [length, width, 0.04]);
-                legs(&mut add, 0.06, height - 0.04);
+                for (name, (place, size)) in LEGS.into_iter().zip(legs(0.06, height - 0.04)) {
+                    add(name, place, size);
+                }
             }
             FurnitureKind::Chair => {
                 let seat = 0.5 * height;
@@ -517,7 +518,9 @@ impl Part<'_> {
                     [-0.5 * length + 0.02, 0.0, above + 0.79 * height],
                     [0.03, width, 0.42 * height],
                 );
-                legs(&mut add, 0.04, seat - 0.04);
+                for (name, (place, size)) in LEGS.into_iter().zip(legs(0.04, seat - 0.04)) {
+                    add(name, place, size);
+                }
             }
             FurnitureKind::Sofa => {
                 add(

@@ -166,7 +166,7 @@ impl Pose<'_> {
         turn: &Rotation3<f64>,
         legs: &[Limb; 2],
     ) -> Limb {
-        let (figure, stance, time) = (self.figure, &self.stance, self.time_s);
+        let (figure, stance) = (self.figure, &self.stance);
         let root = core.neck + chest.vector(0.0, side * figure.shoulder_m, -0.025 * figure.height_m);
         // Arms swing against the legs.
         let (swing, amount) = stance.gait.map_or((0.0, 0.0), |gait| {
