@@ -9,6 +9,7 @@
 //! * [`picture`] — views of grey and colour pictures and binary masks; [`yuv`] — what video stores, to colours.
 //! * [`moment`] — what arrived within one tick; [`source`] — the traits of what delivers it.
 //! * [`command`] — what is said to devices that move.
+//! * [`finite`] — whether every number in a value is one that can be written.
 //! * [`record`] — the published scene, with its schema version.
 //! * [`truth`] — what is really so, as a simulation writes and a judge reads it.
 
@@ -16,6 +17,7 @@ pub mod calibration;
 pub mod camera;
 pub mod command;
 pub mod configuration;
+pub mod finite;
 pub mod geometry;
 pub mod microphones;
 pub mod moment;

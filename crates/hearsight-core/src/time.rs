@@ -86,9 +86,9 @@ impl Span {
         (scaled + 500_000_000).div_euclid(1_000_000_000) as i64
     }
 
-    /// The span without its sign.
+    /// The span without its sign; the longest span for the longest one backwards, which is a nanosecond longer.
     pub const fn magnitude(self) -> Self {
-        Self(self.0.abs())
+        Self(self.0.saturating_abs())
     }
 }
 
