@@ -2,7 +2,7 @@
 //!
 //! It hears that there is sound above the noise, not that it is speech.
 
-use crate::error::{AudioError, check_setting};
+use crate::error::{AudioError, check_setting, check_state};
 use serde::{Deserialize, Serialize};
 
 /// When sound counts as voice.
@@ -72,10 +72,10 @@ impl ActivityDetector {
     /// # Errors
     /// [`AudioError::Setting`] where a setting is out of its range.
     pub fn new(settings: ActivitySettings) -> Result<Self, AudioError> {
-        let ordered = settings.on_db > settings.off_db;
+        let ordered = settings.on_db > settings.off_db && (settings.on_db - settings.off_db).is_finite();
         check_setting(ordered, "on_db", "above off_db", f64::from(settings.on_db))?;
         check_setting(
-            settings.hangover_s >= 0.0,
+            settings.hangover_s >= 0.0 && settings.hangover_s.is_finite(),
             "hangover_s",
             "0 or more",
             settings.hangover_s,
@@ -95,6 +95,16 @@ impl ActivityDetector {
             below_s: f64::MAX,
             probability: 0.5,
         })
+    }
+
+    /// Checks a detector that was saved: whether this one could have become it.
+    ///
+    /// # Errors
+    /// [`AudioError::State`] where it is of other settings or contradicts itself.
+    pub fn check_saved(&self, saved: &Self) -> Result<(), AudioError> {
+        check_state(saved.settings == self.settings, "what counts as voice")?;
+        let holds = saved.below_s >= 0.0 && (1e-6..=1.0 - 1e-6).contains(&saved.probability);
+        check_state(holds, "the probability of a voice")
     }
 
     /// Takes in the signal-to-noise ratio of the next frame in decibels (the mean over the channels of an array), and the

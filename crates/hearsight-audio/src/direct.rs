@@ -6,7 +6,7 @@
 //! reverberation, as in Lebart, Boucher and Denbigh, "A new method based on spectral subtraction for speech
 //! dereverberation", 2001.
 
-use crate::error::{AudioError, check_setting, check_shape};
+use crate::error::{AudioError, check_setting, check_shape, check_state};
 use serde::{Deserialize, Serialize};
 
 /// What is known of the room.
@@ -70,6 +70,25 @@ impl DirectShare {
             recent: vec![vec![0.0; bins]; frames],
             oldest: 0,
         })
+    }
+
+    /// Checks a follower that was saved: whether this one could have become it.
+    ///
+    /// # Errors
+    /// [`AudioError::State`] or [`AudioError::Shape`] where it is of other settings or contradicts itself.
+    pub fn check_saved(&self, saved: &Self) -> Result<(), AudioError> {
+        check_state(
+            (saved.decay, saved.first) == (self.decay, self.first),
+            "the reverberation of the room",
+        )?;
+        check_shape("frames remembered", self.recent.len(), saved.recent.len())?;
+        check_state(saved.oldest < self.recent.len(), "the oldest frame remembered")?;
+        for powers in saved.recent.iter().chain([&saved.reverberant]) {
+            check_shape("bins of a frame remembered", self.reverberant.len(), powers.len())?;
+            let real = powers.iter().all(|&power| power >= 0.0 && power.is_finite());
+            check_state(real, "the powers remembered")?;
+        }
+        Ok(())
     }
 
     /// Takes in the power |X|² of each bin of the next frame and writes the share of direct sound in it, 0 to 1, into

@@ -26,6 +26,12 @@ pub enum AudioError {
         /// How many there are.
         found: usize,
     },
+    /// A saved state is not one that this configuration could have left: start without it.
+    #[error("the saved state does not fit: {what}")]
+    State {
+        /// What does not fit.
+        what: &'static str,
+    },
     /// The weighting needs the noise power of both channels and was given none: pass it, or choose another.
     #[error("this weighting needs the noise power of both channels")]
     NoiseMissing,
@@ -50,6 +56,18 @@ pub(crate) fn check_shape(what: &'static str, expected: usize, found: usize) -> 
             expected,
             found,
         })
+    }
+}
+
+/// Most samples, frames or losses that a saved state may have counted: centuries, and far from what integers hold.
+pub(crate) const MOST_COUNTED: u64 = 1 << 48;
+
+/// An error where something does not hold that holds of every state this configuration leaves.
+pub(crate) fn check_state(holds: bool, what: &'static str) -> Result<(), AudioError> {
+    if holds {
+        Ok(())
+    } else {
+        Err(AudioError::State { what })
     }
 }
 

@@ -3,7 +3,7 @@
 //! The framer holds one frame a channel and nothing more, however long a block is: frames are handed to a closure as
 //! they fill. How blocks are cut does not change the frames.
 
-use crate::error::{AudioError, check_setting};
+use crate::error::{AudioError, MOST_COUNTED, check_setting, check_shape, check_state};
 use crate::timeline::{Timeline, check_block};
 use hearsight_core::{AudioBlock, Instant, Span};
 use serde::{Deserialize, Serialize};
@@ -124,6 +124,47 @@ impl Framer {
     /// The settings it was made with.
     pub fn settings(&self) -> &FrameSettings {
         &self.settings
+    }
+
+    /// Checks a framer that was saved: whether this one could have become it.
+    ///
+    /// # Errors
+    /// [`AudioError::State`] or [`AudioError::Shape`] where it is of other settings or contradicts itself.
+    pub fn check_saved(&self, saved: &Self) -> Result<(), AudioError> {
+        check_state(
+            saved.settings == self.settings,
+            "the length, hop or channels of frames",
+        )?;
+        self.timeline.check_saved(&saved.timeline)?;
+        let length = self.settings.length;
+        check_shape(
+            "channels of a saved frame",
+            self.settings.channels,
+            saved.buffer.len(),
+        )?;
+        for samples in &saved.buffer {
+            check_shape("samples of a saved frame", length, samples.len())?;
+            check_state(
+                samples.iter().all(|sample| sample.is_finite()),
+                "a sample is not finite",
+            )?;
+        }
+        check_shape("marks of a saved frame", length, saved.heard.len())?;
+        check_state(
+            saved.held < length && (0..=MOST_COUNTED as i64).contains(&saved.first),
+            "the place of the frame",
+        )?;
+        let counts = [
+            saved.number,
+            saved.non_finite,
+            saved.restarts,
+            saved.filled,
+            saved.skipped,
+        ];
+        check_state(
+            counts.iter().all(|&count| count <= MOST_COUNTED),
+            "the number of frames",
+        )
     }
 
     /// Samples so far that were not finite and were taken as zero.

@@ -4,7 +4,7 @@
 //!
 //! The same tracker follows the power of a whole frame (one bin) or of each bin of a spectrum.
 
-use crate::error::{AudioError, check_setting, check_shape};
+use crate::error::{AudioError, MOST_COUNTED, check_setting, check_shape, check_state};
 use serde::{Deserialize, Serialize};
 
 /// How the noise floor is followed.
@@ -146,6 +146,39 @@ impl NoiseFloor {
             minima: vec![vec![f32::MAX; bins]; PARTS],
             floor: vec![first_power * scale; bins],
         })
+    }
+
+    /// Checks a tracker that was saved: whether this one could have become it.
+    ///
+    /// # Errors
+    /// [`AudioError::State`] or [`AudioError::Shape`] where it is of other settings or contradicts itself.
+    pub fn check_saved(&self, saved: &Self) -> Result<(), AudioError> {
+        let settings = |floor: &Self| {
+            let numbers = [
+                floor.forgetting,
+                floor.rise,
+                floor.bias,
+                floor.scale,
+                floor.first_power,
+            ];
+            (numbers, floor.start_frames, floor.part_frames)
+        };
+        check_state(
+            settings(saved) == settings(self),
+            "the settings of the noise floor",
+        )?;
+        check_state(saved.frames <= MOST_COUNTED, "the number of frames")?;
+        check_shape(
+            "parts of a saved noise floor",
+            self.minima.len(),
+            saved.minima.len(),
+        )?;
+        for powers in saved.minima.iter().chain([&saved.smoothed, &saved.floor]) {
+            check_shape("bins of a saved noise floor", self.floor.len(), powers.len())?;
+            let real = powers.iter().all(|&power| power >= 0.0 && power.is_finite());
+            check_state(real, "the powers of a noise floor")?;
+        }
+        Ok(())
     }
 
     /// The noise power of each bin. Before the first frame it is the greatest believed.

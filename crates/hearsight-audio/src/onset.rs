@@ -12,7 +12,7 @@
 //! frame. The T frames are counted in time from the first one: null frames among them are not processed but do count.
 //! The paper names neither threshold nor null rule; here the default is 6 dB and a single null frame.
 
-use crate::error::{AudioError, check_setting};
+use crate::error::{AudioError, check_setting, check_state};
 use serde::{Deserialize, Serialize};
 
 /// What an onset is.
@@ -93,6 +93,14 @@ impl OnsetFilter {
             age: 0,
             nulls: 0,
         })
+    }
+
+    /// Checks a filter that was saved: whether this one could have become it.
+    ///
+    /// # Errors
+    /// [`AudioError::State`] where it is of other settings.
+    pub fn check_saved(&self, saved: &Self) -> Result<(), AudioError> {
+        check_state(saved.settings == self.settings, "what an onset is")
     }
 
     /// Sorts the next frame by the signal-to-noise ratio of each microphone in decibels. A ratio that is not a number, or

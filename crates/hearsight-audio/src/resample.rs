@@ -4,7 +4,7 @@
 //! first input sample, for all channels alike. Own work rather than a library's, because here the exact time of every
 //! sample, equal phases of all channels and a saved state matter more than any conversion ratio.
 
-use crate::error::{AudioError, check_setting};
+use crate::error::{AudioError, MOST_COUNTED, check_setting, check_shape, check_state};
 use crate::timeline::{Timeline, check_block};
 use hearsight_core::{AudioBlock, Span};
 use serde::{Deserialize, Serialize};
@@ -104,18 +104,45 @@ impl Resampler {
         &self.state
     }
 
+    /// Checks a state that was saved by a resampler made with the same arguments.
+    ///
+    /// # Errors
+    /// [`AudioError::State`] or [`AudioError::Shape`] where it was made with others or contradicts itself.
+    pub fn check_saved(&self, saved: &ResamplerState) -> Result<(), AudioError> {
+        self.state.timeline.check_saved(&saved.timeline)?;
+        check_shape(
+            "channels of a saved state",
+            self.state.pending.len(),
+            saved.pending.len(),
+        )?;
+        // What every block leaves: the samples that the next output needs, and no output that could be made of them.
+        let held = saved.pending.first().map_or(0, Vec::len);
+        for samples in &saved.pending {
+            check_shape("samples of a saved channel", held, samples.len())?;
+            check_state(
+                samples.iter().all(|sample| sample.is_finite()),
+                "a sample is not finite",
+            )?;
+        }
+        let counted = (0..=MOST_COUNTED as i64).contains(&saved.next) && saved.non_finite <= MOST_COUNTED;
+        check_state(counted, "the number of samples")?;
+        let placed = saved.first == self.place(saved.next) - self.reach && held as i64 <= 2 * self.reach;
+        check_state(placed, "the place of the samples")
+    }
+
     /// Goes on from a state saved by a resampler made with the same arguments.
     ///
     /// # Errors
-    /// [`AudioError::Shape`] where the state is of another number of channels.
+    /// As [`Self::check_saved`]; nothing is changed then.
     pub fn restore(&mut self, state: ResamplerState) -> Result<(), AudioError> {
-        crate::error::check_shape(
-            "channels of a saved state",
-            self.state.pending.len(),
-            state.pending.len(),
-        )?;
+        self.check_saved(&state)?;
         self.state = state;
         Ok(())
+    }
+
+    /// Input sample on which output sample `next` is centred, rounded down.
+    fn place(&self, next: i64) -> i64 {
+        next * self.down / self.up
     }
 
     /// How long after a sound its samples come out, at the least: half the filter's length.

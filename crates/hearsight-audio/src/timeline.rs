@@ -2,7 +2,7 @@
 //!
 //! Shared by whatever consumes blocks, so that a gap means the same to all of them.
 
-use crate::error::{AudioError, check_setting, check_shape};
+use crate::error::{AudioError, MOST_COUNTED, check_setting, check_shape, check_state};
 use hearsight_core::{AudioBlock, Instant, Span};
 use serde::{Deserialize, Serialize};
 
@@ -48,6 +48,22 @@ impl Timeline {
             anchor: None,
             next: 0,
         })
+    }
+
+    /// Checks a timeline that was saved against this one, which is to be replaced by it.
+    pub(crate) fn check_saved(&self, saved: &Self) -> Result<(), AudioError> {
+        check_state(
+            saved.rate_hz == self.rate_hz && saved.longest_fill == self.longest_fill,
+            "the rate of the sound and the gaps that are filled",
+        )?;
+        let counted = 0..=MOST_COUNTED as i64;
+        let anchored = saved
+            .anchor
+            .is_none_or(|(_, index)| (0..=saved.next).contains(&index));
+        check_state(
+            counted.contains(&saved.next) && anchored,
+            "the number of samples heard",
+        )
     }
 
     /// Takes note of a block of `count` samples, the first at `time`.

@@ -41,13 +41,27 @@ pub enum SystemError {
         /// What there is.
         known: String,
     },
-    /// A parameter is unknown, of the wrong type or out of range.
+    /// A parameter is unknown, of the wrong type or at odds with another.
     #[error("parameters of the system \"{system}\": {reason}")]
     Parameters {
         /// The system.
         system: &'static str,
         /// Which parameter, what is wrong and what is allowed.
         reason: String,
+    },
+    /// A number among the parameters is out of its range, or not finite.
+    #[error("`system.{system}.{parameter}` is {value}, allowed is {least} to {greatest}")]
+    Range {
+        /// The system.
+        system: &'static str,
+        /// Which parameter, as a path with dots.
+        parameter: String,
+        /// What it is.
+        value: f64,
+        /// The least that is allowed.
+        least: f64,
+        /// The greatest that is allowed.
+        greatest: f64,
     },
     /// The room lacks what the system needs.
     #[error("the system \"{system}\" cannot run in this room: {reason}")]

@@ -4,11 +4,13 @@
 //! A bootstrap particle filter a person over the head box, the product of the likelihoods of colour, motion and sound.
 //! With several cameras it runs on each apart.
 
+mod limits;
 mod parameters;
 
 pub use parameters::{Likelihood, Parameters};
 
 use crate::{SystemError, SystemInfo, parallel};
+use hearsight_core::finite::is_finite;
 use hearsight_core::record::{
     BoxRecord, SCENE_SCHEMA_VERSION, Scene, SoundRecord, TrackPhase, TrackRecord, ViewRecord,
 };
@@ -22,7 +24,7 @@ use hearsight_tracking::proposals::{DetectedProposal, RandomWalkProposal};
 use hearsight_tracking::sound_map::SoundMap;
 use hearsight_tracking::stage::Stage;
 use hearsight_tracking::system::{StateError, System};
-use hearsight_tracking::tracker::{Composition, ViewState, ViewTracker};
+use hearsight_tracking::tracker::{Composition, MOST_NUMBERED, ViewState, ViewTracker};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::time::{Duration, Instant as Clock};
@@ -87,6 +89,7 @@ fn build(parameters: &Value, room: &Room, seed: u64) -> Result<Box<dyn System>, 
     } else {
         Parameters::deserialize(parameters).map_err(wrong)?
     };
+    limits::check(&serde_json::to_value(&parameters).map_err(wrong)?)?;
     if room.cameras.is_empty() {
         return Err(SystemError::Room {
             system: INFO.name,
@@ -203,6 +206,20 @@ fn stages(parameters: &Parameters) -> Result<Vec<Stage>, SystemError> {
 }
 
 impl View {
+    /// Checks what was remembered before anything of it is taken over.
+    fn check(&self, saved: &SavedView, last_identity: u64) -> Result<(), StateError> {
+        let foreign =
+            |reason: &dyn std::fmt::Display| StateError::Foreign(format!("camera {}: {reason}", self.name));
+        CameraPercepts::check_state(&saved.camera).map_err(|error| foreign(&error))?;
+        match (&self.heard, &saved.array) {
+            (Some(heard), Some(array)) => heard.check_state(array).map_err(|error| foreign(&error))?,
+            (None, None) => {}
+            _ => return Err(foreign(&"another array")),
+        }
+        self.tracker
+            .check_state(&saved.tracker, self.seen.histogram_bins(), last_identity)
+    }
+
     /// Takes its part of a moment.
     fn step(&mut self, moment: &Moment, elapsed: Span) -> Result<(), hearsight_filter::FilterError> {
         let start = Clock::now();
@@ -335,10 +352,14 @@ impl System for Stac {
                 self.views.len()
             )));
         }
+        if !is_finite(&saved) || saved.next_identity > MOST_NUMBERED {
+            return Err(foreign(
+                "a number in it is not finite or out of all bounds".to_owned(),
+            ));
+        }
+        let last_identity = saved.next_identity;
         for (view, saved) in self.views.iter().zip(&saved.views) {
-            if view.heard.is_some() != saved.array.is_some() {
-                return Err(foreign(format!("camera {} has another array", view.name)));
-            }
+            view.check(saved, last_identity)?;
         }
         for (view, saved) in self.views.iter_mut().zip(saved.views) {
             view.seen

@@ -75,7 +75,7 @@ pub struct Existence {
 
 impl Existence {
     /// Odds beyond this are not counted, so that a lost person is given up within a bounded time.
-    const BOUND: f64 = 4.0;
+    pub(crate) const BOUND: f64 = 4.0;
 
     /// A probability of one half.
     pub fn even() -> Self {
@@ -87,6 +87,11 @@ impl Existence {
         if log_ratio.is_finite() {
             self.log_odds = (self.log_odds + log_ratio).clamp(-Self::BOUND, Self::BOUND);
         }
+    }
+
+    /// The logarithm of its odds.
+    pub(crate) fn log_odds(self) -> f64 {
+        self.log_odds
     }
 
     /// The probability, 0 to 1.

@@ -337,6 +337,21 @@ impl Speaker {
         }
     }
 
+    /// Whether a saved one holds nothing but probabilities.
+    pub(crate) fn is_sound(&self) -> bool {
+        // A little more than 1 is rounding.
+        let probability = 0.0..=1.0 + 1e-9;
+        let person = |person: &Person| {
+            probability.contains(&person.probability)
+                && probability.contains(&person.existence)
+                && person.deviation_s >= 0.0
+        };
+        probability.contains(&self.silence)
+            && self.unseen.iter().all(|unseen| probability.contains(unseen))
+            && self.people.iter().all(person)
+            && self.step_s >= 0.0
+    }
+
     fn normalize(&mut self) {
         let sum = self.silence
             + self.people.iter().map(|person| person.probability).sum::<f64>()

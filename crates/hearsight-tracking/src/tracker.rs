@@ -3,6 +3,10 @@
 //! A step runs the system's stages for every belief and scout, then the life cycle over all of them, then decides who
 //! speaks. Saved state ([`ViewState`]) and scratch memory are apart.
 
+mod restore;
+
+pub use restore::MOST_NUMBERED;
+
 use crate::belief::{Appearance, Belief, Existence, Portrait};
 use crate::body::{Body, Part};
 use crate::life_cycle::{
@@ -122,7 +126,7 @@ impl ViewTracker {
         &self.state
     }
 
-    /// Goes on from what was remembered.
+    /// Goes on from what was remembered; to be checked before by [`ViewTracker::check_state`].
     pub fn set_state(&mut self, state: ViewState) {
         self.state = state;
     }
@@ -253,7 +257,7 @@ impl ViewTracker {
                 .state
                 .memory
                 .recognize(&belief.portrait, now, second_look, settings);
-            belief.looks += u32::from(second_look);
+            belief.looks = belief.looks.saturating_add(u32::from(second_look));
             let again = known.is_none() && belief.looks < settings.looks;
             belief.unknown_since = again.then_some(now);
             if let Some((identity, older)) = known {

@@ -4,6 +4,7 @@
 //! Bodies that touch make one region with several tops, so every top of the outline is tried at several widths. The
 //! score of a width is made of area fractions only, each from four reads of one integral image.
 
+use crate::VisionError;
 use crate::integral::SumTable;
 use hearsight_core::{Mask, Rectangle};
 use serde::{Deserialize, Serialize};
@@ -12,17 +13,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HeadSearch {
-    /// Narrowest head, pixels, 4 or more. Default 14. Raising it loses people far away and saves time.
+    /// Narrowest head, pixels, 4 to 10000. Default 14. Raising it loses people far away and saves time.
     pub smallest_px: f32,
     /// Widest head as a share of the picture's height, 0 to 1. Default 0.4.
     pub widest_share: f32,
-    /// Ratio of one width tried to the next, above 1. Default 1.15.
+    /// Ratio of one width tried to the next, 1.02 to 10. Default 1.15.
     pub step: f32,
-    /// Height of a head over its width. Default 1.3.
+    /// Height of a head over its width, 0.2 to 5. Default 1.3.
     pub aspect: f32,
     /// Least score of a head, 0 to 1. Default 0.35. Raising it gives fewer false heads and more missed ones.
     pub least_score: f32,
-    /// Most heads returned for one picture. Default 16.
+    /// Most heads returned for one picture, 1 to 1000. Default 16.
     pub most: usize,
 }
 
@@ -36,6 +37,25 @@ impl Default for HeadSearch {
             least_score: 0.35,
             most: 16,
         }
+    }
+}
+
+impl HeadSearch {
+    /// # Errors
+    /// [`VisionError::Parameter`] where a number is outside its range.
+    pub fn validate(&self) -> Result<(), VisionError> {
+        let checks = [
+            ("smallest_px", self.smallest_px, 4.0, 10_000.0, "4 to 10000"),
+            ("widest_share", self.widest_share, 0.0, 1.0, "0 to 1"),
+            ("step", self.step, 1.02, 10.0, "1.02 to 10"),
+            ("aspect", self.aspect, 0.2, 5.0, "0.2 to 5"),
+            ("least_score", self.least_score, 0.0, 1.0, "0 to 1"),
+            ("most", self.most as f32, 1.0, 1000.0, "1 to 1000"),
+        ];
+        for (name, value, low, high, allowed) in checks {
+            VisionError::within(name, f64::from(value), low, high, allowed)?;
+        }
+        Ok(())
     }
 }
 
@@ -84,15 +104,18 @@ impl HeadFinder {
         Some(self.sums.rectangle(l, t, r, b) as f32 / (255.0 * inside))
     }
 
-    /// The heads of the loaded mask, best first, none inside the body of another.
+    /// The heads of the loaded mask, best first, none inside the body of another. A search that is out of its ranges
+    /// (see [`HeadSearch::validate`]) finds none.
     pub fn find(&mut self, mask: &Mask, search: &HeadSearch, heads: &mut Vec<Head>) {
         heads.clear();
+        if search.validate().is_err() {
+            return;
+        }
         self.collect_tops(mask);
         let mut candidates = std::mem::take(&mut self.candidates);
         candidates.clear();
         let widest = (search.widest_share * mask.height as f32).max(search.smallest_px);
-        let step = search.step.max(1.02);
-        let mut width = search.smallest_px.max(4.0);
+        let mut width = search.smallest_px;
         while width <= widest {
             for &(x, y) in &self.tops {
                 if let Some(score) = self.fit(x, y, width, search.aspect)
@@ -102,7 +125,7 @@ impl HeadFinder {
                     candidates.push(Head { region, score });
                 }
             }
-            width *= step;
+            width *= search.step;
         }
         // Ties are broken by place, so that the order never depends on how the list was made.
         candidates.sort_by(|a, b| {

@@ -1,7 +1,7 @@
 //! Parameters of systems, as the table `[system.stac]` of a `room.toml` gives them.
 
 use super::state::{moment, room};
-use super::{Target, Verdict};
+use super::{Target, Verdict, texts};
 use hearsight_core::record::Scene;
 use hearsight_systems::{REGISTRY, build};
 use serde_json::Value;
@@ -29,10 +29,16 @@ pub(super) const TARGET: Target = Target {
         let mut seeds = vec![super::state::parameters(), serde_json::json!({})];
         // Every default that the parameters tell of themselves.
         seeds.extend(REGISTRY.iter().map(|system| defaults(&(system.parameters)())));
-        seeds
+        let mut seeds: Vec<Vec<u8>> = seeds
             .iter()
             .map(|value| format!("{value:#}").into_bytes())
-            .collect()
+            .collect();
+        seeds.extend(texts(&[
+            include_str!("../../seeds/went-wrong/parameters/endless-heads.json"),
+            include_str!("../../seeds/went-wrong/parameters/frame-of-hours.json"),
+            include_str!("../../seeds/went-wrong/parameters/frame-overflows.json"),
+        ]));
+        seeds
     },
     open: || {
         let room = room();

@@ -80,7 +80,7 @@ impl Memory {
 
     /// Remembers somebody who left.
     pub fn remember(&mut self, identity: u64, portrait: Portrait, left: Instant) {
-        if self.gone.len() == Self::CAPACITY {
+        if self.gone.len() >= Self::CAPACITY {
             self.gone.remove(0);
         }
         self.gone.push(Gone {
@@ -88,6 +88,11 @@ impl Memory {
             portrait,
             left,
         });
+    }
+
+    /// Everyone remembered, with their identity.
+    pub(crate) fn everyone(&self) -> impl Iterator<Item = (u64, &Portrait)> {
+        self.gone.iter().map(|gone| (gone.identity, &gone.portrait))
     }
 
     /// The portrait of somebody who left.

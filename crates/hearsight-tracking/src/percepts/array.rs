@@ -28,7 +28,7 @@ pub struct ArraySettings {
     /// Length of a frame, seconds, 0.01 to 1. Default 0.128: many times the greatest delay, short against walking.
     /// Raising it makes peaks surer and more of it reverberation. The paper does not say.
     pub frame_s: f64,
-    /// Time from one frame to the next, seconds, at most `frame_s`. Default 0.02.
+    /// Time from one frame to the next, seconds, 0.001 to `frame_s`. Default 0.02.
     pub hop_s: f64,
     /// How much each frequency counts. Default: noise-regularized with gamma 0.3 (stac, eq. 7 corrected).
     pub weighting: Weighting,
@@ -62,6 +62,22 @@ impl Default for ArraySettings {
             activity: ActivitySettings::default(),
             direction: DirectionSettings::default(),
         }
+    }
+}
+
+impl ArraySettings {
+    /// Checks the lengths that memory and time are spent by; the parts check their own settings.
+    fn check(&self) -> Result<(), AudioError> {
+        let lengths = [
+            ("frame_s", self.frame_s, 0.01..=1.0, "within 0.01 and 1"),
+            ("hop_s", self.hop_s, 0.001..=1.0, "within 0.001 and 1"),
+        ];
+        for (name, value, range, rule) in lengths {
+            if !range.contains(&value) {
+                return Err(AudioError::Setting { name, rule, value });
+            }
+        }
+        Ok(())
     }
 }
 
@@ -140,6 +156,7 @@ impl ArrayPercepts {
                 });
             }
         };
+        settings.check()?;
         let samples = |seconds: f64| (seconds * f64::from(RATE_HZ)).round().max(1.0) as usize;
         let frames = FrameSettings {
             length: samples(settings.frame_s),
@@ -215,11 +232,31 @@ impl ArrayPercepts {
         }
     }
 
+    /// Checks what was remembered: whether this array with these settings could have left it.
+    ///
+    /// # Errors
+    /// [`AudioError`] where the state is that of another array or contradicts itself.
+    pub fn check_state(&self, state: &ArrayState) -> Result<(), AudioError> {
+        match (&self.resampler, &state.resampler) {
+            (Some(resampler), Some(saved)) => resampler.check_saved(saved)?,
+            (None, None) => {}
+            _ => {
+                return Err(AudioError::State {
+                    what: "the rate of the sound",
+                });
+            }
+        }
+        self.listener.framer.check_saved(&state.listener.framer)?;
+        self.listener.remembered.check_saved(&state.listener.remembered)?;
+        self.direction.check_state(&state.direction)
+    }
+
     /// Goes on from what was remembered.
     ///
     /// # Errors
-    /// [`AudioError`] where the state is that of another array.
+    /// As [`ArrayPercepts::check_state`]; nothing is changed then.
     pub fn set_state(&mut self, state: ArrayState) -> Result<(), AudioError> {
+        self.check_state(&state)?;
         if let (Some(resampler), Some(remembered)) = (&mut self.resampler, state.resampler) {
             resampler.restore(remembered)?;
         }
@@ -393,5 +430,19 @@ impl Engine {
         if self.onset_frames > 0 {
             self.onset_sum.normalize_to_peak();
         }
+    }
+}
+
+impl Remembered {
+    /// Checks what was saved against this.
+    fn check_saved(&self, saved: &Self) -> Result<(), AudioError> {
+        for (floor, saved) in self.levels.iter().zip(&saved.levels) {
+            floor.check_saved(saved)?;
+        }
+        for (floor, saved) in self.spectra.iter().zip(&saved.spectra) {
+            floor.check_saved(saved)?;
+        }
+        self.onset.check_saved(&saved.onset)?;
+        self.activity.check_saved(&saved.activity)
     }
 }

@@ -105,6 +105,7 @@ impl CameraPercepts {
             },
             ..ChangeOptions::default()
         };
+        settings.heads.validate()?;
         let faces = FaceSearch::new(&settings.faces)?;
         Ok(Self {
             background: BackgroundModel::new(settings.background)?,
@@ -132,11 +133,31 @@ impl CameraPercepts {
         }
     }
 
+    /// Checks what was remembered: whether it contradicts itself.
+    ///
+    /// # Errors
+    /// [`VisionError`] where it does.
+    pub fn check_state(state: &CameraState) -> Result<(), VisionError> {
+        state.background.validate()?;
+        let (width, height) = state.size;
+        let bytes = width.saturating_mul(height).saturating_mul(3);
+        let size = state.background.size();
+        if state.previous.len() == bytes && (size == state.size || state.background.is_empty()) {
+            return Ok(());
+        }
+        Err(VisionError::Parameter {
+            name: "the picture before",
+            value: bytes as f64,
+            allowed: "as many bytes as there are, and a background of the same size",
+        })
+    }
+
     /// Goes on from what was remembered.
     ///
     /// # Errors
-    /// [`VisionError`] where the state contradicts itself; nothing is changed then.
+    /// As [`CameraPercepts::check_state`]; nothing is changed then.
     pub fn set_state(&mut self, state: CameraState) -> Result<(), VisionError> {
+        Self::check_state(&state)?;
         self.background = BackgroundModel::restore(self.settings.background, state.background.clone())?;
         self.state = state;
         Ok(())
@@ -209,6 +230,11 @@ impl CameraPercepts {
             self.stirred.resize(size.0, size.1);
             self.stirred.data.fill(0);
         }
+    }
+
+    /// Bins of every histogram.
+    pub fn histogram_bins(&self) -> usize {
+        self.settings.histogram.bins()
     }
 
     /// Size of the pictures, (width, height).

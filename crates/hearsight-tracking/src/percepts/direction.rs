@@ -170,7 +170,23 @@ impl DirectionPercept {
         self.state.clone()
     }
 
-    /// Goes on from what was remembered.
+    /// Checks what was remembered: whether this percept could have left it.
+    ///
+    /// # Errors
+    /// [`AudioError`] where it is of other settings or contradicts itself.
+    pub fn check_state(&self, state: &DirectionState) -> Result<(), AudioError> {
+        self.state.framer.check_saved(&state.framer)?;
+        let (own, saved) = (&self.state.remembered, &state.remembered);
+        for (floor, saved) in own.levels.iter().zip(&saved.levels) {
+            floor.check_saved(saved)?;
+        }
+        for (floor, saved) in own.spectra.iter().zip(&saved.spectra) {
+            floor.check_saved(saved)?;
+        }
+        own.share.check_saved(&saved.share)
+    }
+
+    /// Goes on from what was remembered; to be checked before by [`DirectionPercept::check_state`].
     pub fn set_state(&mut self, state: DirectionState) {
         self.state = state;
     }

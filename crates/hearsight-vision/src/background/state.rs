@@ -47,8 +47,11 @@ impl BackgroundState {
         &self.estimates
     }
 
-    /// Lengths that contradict each other would end in a panic later.
-    pub(super) fn validate(&self) -> Result<(), VisionError> {
+    /// Checks a state that was saved: lengths that contradict each other would end in a panic later.
+    ///
+    /// # Errors
+    /// [`VisionError::Parameter`] where it contradicts itself.
+    pub fn validate(&self) -> Result<(), VisionError> {
         let pixels = self.width.saturating_mul(self.height);
         let bytes = pixels.saturating_mul(3);
         let right = self.estimates.len() == bytes
@@ -56,7 +59,9 @@ impl BackgroundState {
             && self.still_ms.len() == pixels
             && self.gathered.iter().all(|picture| picture.len() == bytes)
             && self.gathered.len() <= 31
+            && self.seconds >= 0.0
             && self.seconds.is_finite()
+            && self.since_ghosts >= 0.0
             && self.since_ghosts.is_finite()
             && self.remainders.iter().all(|value| (0.0..=1.0).contains(value));
         if right {
