@@ -13,7 +13,7 @@ use crate::sources::{self, Sources};
 use crate::summary::{Counts, FaultBook, Outcome, Summary, stage_times};
 use hearsight_core::record::{SCENE_SCHEMA_VERSION, Scene};
 use hearsight_core::room::Room;
-use hearsight_core::source::Delivery;
+use hearsight_core::source::{AudioSource, Delivery, VideoSource};
 use hearsight_core::{Instant, Moment, Span};
 use hearsight_media::MomentReader;
 use hearsight_systems::System;
@@ -75,6 +75,23 @@ impl Engine {
     ) -> Result<Self, EngineError> {
         let sources = sources::open(&configuration)?;
         let system = build(&sources.room)?;
+        Self::assemble(configuration, sources, system)
+    }
+
+    /// Tracks on sources of the caller's own, one for each camera and array of the configuration and in its order,
+    /// instead of the files that it names: a simulated room, for example. Their clocks, channels and rates must be as
+    /// they are to be; only the configuration's geometry, system and run are used.
+    ///
+    /// # Errors
+    /// As [`Engine::open`], and [`EngineError::Sources`] where their numbers differ from the configuration's.
+    pub fn open_with_sources(
+        configuration: ResolvedRoom,
+        cameras: Vec<Box<dyn VideoSource>>,
+        arrays: Vec<Box<dyn AudioSource>>,
+    ) -> Result<Self, EngineError> {
+        let sources = sources::take(&configuration, cameras, arrays)?;
+        let ResolvedSystem { name, given, .. } = &configuration.system;
+        let system = hearsight_systems::build(name, given, &sources.room, configuration.run.seed)?;
         Self::assemble(configuration, sources, system)
     }
 

@@ -34,6 +34,21 @@ pub enum EngineError {
         #[help]
         cure: String,
     },
+    /// Sources of the caller's own are not one for each sensor: give as many.
+    #[error(
+        "the configuration has {} cameras and {} arrays, but {} and {} sources are given",
+        wanted[0], wanted[1], given[0], given[1]
+    )]
+    #[diagnostic(
+        code(hearsight::sources),
+        help("give one source for each sensor, in the configuration's order")
+    )]
+    Sources {
+        /// Cameras and arrays of the configuration.
+        wanted: [usize; 2],
+        /// Sources of cameras and arrays.
+        given: [usize; 2],
+    },
     /// Ticks cannot be made: correct the configuration.
     #[error(transparent)]
     #[diagnostic(code(hearsight::room))]

@@ -40,6 +40,35 @@ pub(crate) fn open(configuration: &ResolvedRoom) -> Result<Sources, EngineError>
     for array in &configuration.arrays {
         arrays.push(open_array(array, clock)?);
     }
+    align(configuration, cameras, arrays, clock)
+}
+
+/// Sources of the caller's own instead of what the configuration names.
+pub(crate) fn take(
+    configuration: &ResolvedRoom,
+    cameras: Vec<Box<dyn VideoSource>>,
+    arrays: Vec<Box<dyn AudioSource>>,
+) -> Result<Sources, EngineError> {
+    let wanted = [configuration.cameras.len(), configuration.arrays.len()];
+    let given = [cameras.len(), arrays.len()];
+    if wanted != given {
+        return Err(EngineError::Sources { wanted, given });
+    }
+    let starts = cameras.iter().map(|camera| camera.format().start);
+    let first = starts
+        .chain(arrays.iter().map(|array| array.format().start))
+        .min();
+    let clock = RunClock::starting_at(configuration.run.from.or(first).unwrap_or(Instant::ZERO));
+    align(configuration, cameras, arrays, clock)
+}
+
+/// Checks that sensors fit each other, and puts them on one clock.
+fn align(
+    configuration: &ResolvedRoom,
+    cameras: Vec<Box<dyn VideoSource>>,
+    arrays: Vec<Box<dyn AudioSource>>,
+    clock: RunClock,
+) -> Result<Sources, EngineError> {
     let room = room(configuration, &cameras, &arrays)?;
     let ranges = fit::ranges(&room, &cameras, &arrays);
     fit::check(&room, &ranges, configuration)?;

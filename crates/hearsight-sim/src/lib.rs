@@ -5,6 +5,7 @@
 //! the truth, which only a judge may see. This crate tracks nobody and knows no tracker.
 //!
 //! * [`scenario`] — the file that says it all, and how it is read.
+//! * [`simulation`] — the scenario at work: sources as of real sensors, and the truth beside them.
 //! * [`world`] — who and what is in the room, and where it is at any instant.
 //! * [`render`] — pictures of it, and the truth of who is seen in them.
 //! * [`acoustics`] — what microphones hear of sources that move in a room with echoes.
@@ -13,5 +14,6 @@
 pub mod acoustics;
 pub mod render;
 pub mod scenario;
+pub mod simulation;
 pub mod voice;
 pub mod world;

@@ -596,9 +596,9 @@ impl Resolver {
         cameras: &[CameraDevice],
     ) -> Result<ArrayDevice, ConfigurationError> {
         let rate_hz = raw.rate.unwrap_or(16_000);
-        if !(4_000..=192_000).contains(&rate_hz) {
+        if !(8_000..=192_000).contains(&rate_hz) {
             let what = format!("{rate_hz} samples a second is not possible");
-            return Err(self.wrong(&field.key("rate"), what, "give 4000 to 192000, such as 16000"));
+            return Err(self.wrong(&field.key("rate"), what, "give 8000 to 192000, such as 16000"));
         }
         let base = self.base_number(field, &raw.base)?;
         let places = self.microphone_places(field, raw)?;

@@ -5,3 +5,4 @@ mod common;
 mod devices;
 mod refusals;
 mod scenes;
+mod truth;
