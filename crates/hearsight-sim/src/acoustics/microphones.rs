@@ -41,7 +41,7 @@ impl Placement for Vec<WorldPoint> {
 pub struct Microphone {
     /// Gain, decibels, -60 to 60; default 0.
     pub gain_db: f64,
-    /// How much later than others it takes its samples, seconds, within ±1 ms; default 0.
+    /// How much later than others it delivers what it hears, seconds, within ±1 ms; default 0.
     pub delay_s: f64,
     /// Where its response begins (second-order high-pass, Butterworth), hertz, 1 to 1000; default 40. Besides, it takes
     /// away what image sources alone have: all reflections are positive, which piles up at 0 Hz.

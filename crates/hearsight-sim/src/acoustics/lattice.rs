@@ -1,0 +1,260 @@
+//! Image sources of a box (Allen and Berkley 1979): where they are and what is left of their sound.
+//!
+//! An image is a cell of the lattice that mirrors the room, c = (0, 0, 0) being the room itself. Along an axis of length
+//! L, cell c holds the source at c L + x where c is even and at (c + 1) L - x where it is odd, after |c| reflections,
+//! alternately by both walls. Positions are kept as offset and sign, so that one list serves all sources.
+
+use super::random::{Generator, between, generator, mix};
+use super::room::{BANDS, Shoebox};
+use std::f64::consts::{PI, TAU};
+
+/// Images that mirror alike: each is at sign x source + offset, from the room's corner.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Mirror {
+    /// Whether each axis is mirrored: -1 or 1.
+    pub(crate) sign: [f64; 3],
+    /// Offsets along x, y and z, metres, displacement included.
+    pub(crate) offset_m: [Vec<f64>; 3],
+    /// For each band the product of the reflections; one band where bands do not differ.
+    pub(crate) gain: Vec<Vec<f32>>,
+}
+
+/// Image sources, but for the direct sound, which is in the room itself.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Lattice {
+    pub(crate) mirrors: [Mirror; 8],
+}
+
+/// Which images to list.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Reach {
+    /// Distance from the room's middle within which images are listed, metres.
+    pub(crate) distance_m: f64,
+    /// Reflections at most.
+    pub(crate) order: u32,
+    /// Images a metre of distance at most: where there are more, so many are drawn, and made louder accordingly.
+    pub(crate) density_per_m: f64,
+}
+
+impl Lattice {
+    pub(crate) fn new(room: &Shoebox, reach: &Reach) -> Self {
+        let mut lattice = Self {
+            mirrors: std::array::from_fn(|number| mirror(number, bands(room))),
+        };
+        let size = room.settings().size_m;
+        if room
+            .reflection()
+            .iter()
+            .all(|wall| wall.iter().all(|share| *share == 0.0))
+        {
+            return lattice;
+        }
+        let volume: f64 = size.iter().product();
+        // Up to here all are taken.
+        let full_m = (reach.density_per_m * volume / (4.0 * PI))
+            .sqrt()
+            .min(reach.distance_m);
+        let cells = size.map(|side| ((full_m / side).ceil() as i64).min(i64::from(reach.order)));
+        for x in -cells[0]..=cells[0] {
+            for y in -cells[1]..=cells[1] {
+                for z in -cells[2]..=cells[2] {
+                    let cell = [x, y, z];
+                    let away_m = away_m(size, cell);
+                    if away_m <= full_m && cell != [0, 0, 0] && order(cell) <= i64::from(reach.order) {
+                        lattice.push(room, cell, 1.0);
+                    }
+                }
+            }
+        }
+        if full_m < reach.distance_m {
+            lattice.draw(room, reach, full_m);
+        }
+        lattice
+    }
+
+    /// Adds images beyond `full_m`, drawn evenly over distance and direction.
+    fn draw(&mut self, room: &Shoebox, reach: &Reach, full_m: f64) {
+        let size = room.settings().size_m;
+        let volume: f64 = size.iter().product();
+        let mut random: Generator = generator(room.settings().seed, "late images", 0);
+        let count = ((reach.distance_m - full_m) * reach.density_per_m).ceil() as usize;
+        for number in 0..count {
+            // One in each equal step of distance: as many everywhere.
+            let step = (number as f64 + between(&mut random, 0.0, 1.0)) / count as f64;
+            let distance = full_m + step * (reach.distance_m - full_m);
+            let (z, angle) = (between(&mut random, -1.0, 1.0), between(&mut random, 0.0, TAU));
+            let around = (1.0 - z * z).sqrt();
+            let direction = [around * angle.cos(), around * angle.sin(), z];
+            let cell: [i64; 3] =
+                std::array::from_fn(|axis| (direction[axis] * distance / size[axis]).round() as i64);
+            if cell == [0, 0, 0] || order(cell) > i64::from(reach.order) {
+                continue;
+            }
+            // It stands for as many images as there are where one was drawn.
+            let stands_for = 4.0 * PI * distance * distance / (volume * reach.density_per_m);
+            self.push(room, cell, stands_for.sqrt());
+        }
+    }
+
+    fn push(&mut self, room: &Shoebox, cell: [i64; 3], louder: f64) {
+        let odd = cell.map(|c| c.rem_euclid(2) as usize);
+        let displacement = displacement(room, cell);
+        let mirror = &mut self.mirrors[odd[0] | odd[1] << 1 | odd[2] << 2];
+        for axis in 0..3 {
+            let side = room.settings().size_m[axis];
+            mirror.offset_m[axis].push((cell[axis] + odd[axis] as i64) as f64 * side + displacement[axis]);
+        }
+        for (band, gains) in mirror.gain.iter_mut().enumerate() {
+            let mut gain = louder;
+            for axis in 0..3 {
+                let hits = cell[axis].unsigned_abs() as i32;
+                // The first wall met is the one on the image's side.
+                let (first, second) = if cell[axis] > 0 { (1, 0) } else { (0, 1) };
+                let reflection = |wall: usize| room.reflection()[2 * axis + wall][band];
+                gain *= reflection(first).powi((hits + 1) / 2) * reflection(second).powi(hits / 2);
+            }
+            gains.push(gain as f32);
+        }
+    }
+
+    /// How many images there are.
+    pub(crate) fn len(&self) -> usize {
+        self.mirrors.iter().map(|mirror| mirror.offset_m[0].len()).sum()
+    }
+}
+
+/// Bands that must be told apart in a room.
+pub(crate) fn bands(room: &Shoebox) -> usize {
+    if room.is_banded() { BANDS } else { 1 }
+}
+
+/// The signs of a mirror: bit a of its number says whether axis a is mirrored.
+fn mirror(number: usize, bands: usize) -> Mirror {
+    let sign = [0, 1, 2].map(|axis| if number >> axis & 1 == 1 { -1.0 } else { 1.0 });
+    Mirror {
+        sign,
+        offset_m: Default::default(),
+        gain: vec![Vec::new(); bands],
+    }
+}
+
+fn order(cell: [i64; 3]) -> i64 {
+    cell.iter().map(|c| c.abs()).sum()
+}
+
+/// From the room's middle to the image of it.
+fn away_m(size: [f64; 3], cell: [i64; 3]) -> f64 {
+    (0..3)
+        .map(|axis| (cell[axis] as f64 * size[axis]).powi(2))
+        .sum::<f64>()
+        .sqrt()
+}
+
+/// Where the image is instead of its place in the lattice: always the same for one cell of one room.
+fn displacement(room: &Shoebox, cell: [i64; 3]) -> [f64; 3] {
+    let jitter = room.settings().jitter_m;
+    if jitter == 0.0 {
+        return [0.0; 3];
+    }
+    let mut state = cell.iter().fold(mix(room.settings().seed), |state, c| {
+        mix(state ^ c.cast_unsigned())
+    });
+    [0; 3].map(|_| {
+        state = mix(state);
+        jitter * ((state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::room::{ShoeboxSettings, Walls};
+    use super::*;
+
+    fn room(walls: Walls, jitter_m: f64) -> Shoebox {
+        Shoebox::new(&ShoeboxSettings {
+            jitter_m,
+            ..ShoeboxSettings::new([6.0, 5.0, 3.0], walls)
+        })
+        .unwrap()
+    }
+
+    fn positions(lattice: &Lattice, source: [f64; 3]) -> Vec<([f64; 3], f32)> {
+        let mut all = Vec::new();
+        for mirror in &lattice.mirrors {
+            for image in 0..mirror.offset_m[0].len() {
+                let place =
+                    [0, 1, 2].map(|axis| mirror.sign[axis] * source[axis] + mirror.offset_m[axis][image]);
+                all.push((place, mirror.gain[0][image]));
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn the_first_reflections_are_behind_the_six_walls() {
+        let walls = [0.19, 0.36, 0.51, 0.64, 0.75, 0.84];
+        let room = room(Walls::Absorption(walls), 0.0);
+        let reach = Reach {
+            distance_m: 100.0,
+            order: 1,
+            density_per_m: 1e9,
+        };
+        let found = positions(&Lattice::new(&room, &reach), [1.0, 2.0, 0.5]);
+        let wanted = [
+            ([-1.0, 2.0, 0.5], 0.9),
+            ([11.0, 2.0, 0.5], 0.8),
+            ([1.0, -2.0, 0.5], 0.7),
+            ([1.0, 8.0, 0.5], 0.6),
+            ([1.0, 2.0, -0.5], 0.5),
+            ([1.0, 2.0, 5.5], 0.4),
+        ];
+        assert_eq!(found.len(), 6);
+        for (place, gain) in wanted {
+            let close = |other: &([f64; 3], f32)| other.0 == place && (other.1 - gain).abs() < 1e-6;
+            assert!(found.iter().any(close), "{place:?} {gain} in {found:?}");
+        }
+    }
+
+    #[test]
+    fn there_are_as_many_as_there_must_be() {
+        let room = room(Walls::T60(0.5), 0.07);
+        // Of order n there are 4 n^2 + 2.
+        let reach = Reach {
+            distance_m: 1e4,
+            order: 5,
+            density_per_m: 1e9,
+        };
+        let wanted: usize = (1..=5).map(|n| 4 * n * n + 2).sum();
+        assert_eq!(Lattice::new(&room, &reach).len(), wanted);
+    }
+
+    #[test]
+    fn drawn_images_have_the_energy_of_all() {
+        let room = room(Walls::T60(0.5), 0.07);
+        let energy = |density_per_m: f64| {
+            let reach = Reach {
+                distance_m: 120.0,
+                order: u32::MAX,
+                density_per_m,
+            };
+            let lattice = Lattice::new(&room, &reach);
+            let mut shells = [0.0; 4];
+            for (place, gain) in positions(&lattice, [3.0, 2.5, 1.5]) {
+                let square: f64 = place
+                    .iter()
+                    .zip([3.0, 2.5, 1.5])
+                    .map(|(p, m)| (p - m) * (p - m))
+                    .sum();
+                if let Some(shell) = shells.get_mut((square.sqrt() / 30.0) as usize) {
+                    *shell += f64::from(gain).powi(2) / square;
+                }
+            }
+            (shells, lattice.len())
+        };
+        let ((all, many), (drawn, few)) = (energy(1e9), energy(200.0));
+        assert!(few * 3 < many, "{few} of {many}");
+        for (all, drawn) in all.iter().zip(drawn) {
+            assert!((10.0 * (drawn / all).log10()).abs() < 0.5, "{all} {drawn}");
+        }
+    }
+}
