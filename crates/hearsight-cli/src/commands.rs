@@ -2,5 +2,6 @@
 
 pub(crate) mod check;
 pub(crate) mod demo;
+pub(crate) mod evaluate;
 pub(crate) mod schema;
 pub(crate) mod track;

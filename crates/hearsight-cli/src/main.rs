@@ -35,6 +35,8 @@ enum Command {
     Check(commands::check::Arguments),
     /// Make a small recording of two people, track it and say what came out. Needs no data and no device.
     Demo(commands::demo::Arguments),
+    /// Judge tracks by the truth: CLEAR MOT, identity, HOTA, speech, calibration; table, JSON, HTML with plots.
+    Evaluate(commands::evaluate::Arguments),
     /// Print the JSON schema of a scene, of `room.toml`, or of a system's parameters.
     Schema(commands::schema::Arguments),
 }
@@ -46,6 +48,7 @@ fn main() -> ExitCode {
         Command::Track(arguments) => commands::track::run(&arguments),
         Command::Check(arguments) => commands::check::run(&arguments),
         Command::Demo(arguments) => commands::demo::run(&arguments),
+        Command::Evaluate(arguments) => commands::evaluate::run(&arguments),
         Command::Schema(arguments) => commands::schema::run(&arguments),
     };
     match result {
