@@ -1,6 +1,7 @@
 //! The published result of a tick, as written to `scenes.jsonl`. Units are in the names; the JSON schema is generated
 //! from these types by [`scene_schema`].
 
+use crate::finite::is_finite;
 use crate::moment::Fault;
 use crate::picture::Rectangle;
 use schemars::JsonSchema;
@@ -29,6 +30,45 @@ pub struct Scene {
     /// What went wrong since the tick before.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub faults: Vec<Fault>,
+}
+
+impl Scene {
+    /// Takes out every record that holds a number that is not finite, which JSON could only write as null, and returns
+    /// how many there were. A time that is not finite becomes 0, a probability that is not is nothing, and nobody speaks
+    /// whose track was taken out.
+    ///
+    /// ```
+    /// use hearsight_core::record::Scene;
+    ///
+    /// let mut scene = Scene { nobody_probability: Some(f64::NAN), ..Scene::default() };
+    /// assert_eq!(scene.set_aside_non_finite(), 1);
+    /// assert_eq!(scene.nobody_probability, None);
+    /// ```
+    pub fn set_aside_non_finite(&mut self) -> u64 {
+        if is_finite(self) {
+            return 0;
+        }
+        let records = |scene: &Self| scene.tracks.len() + scene.sounds.len() + scene.faults.len();
+        let before = records(self);
+        self.tracks.retain(is_finite);
+        self.sounds.retain(is_finite);
+        self.faults.retain(is_finite);
+        let is_there = |id: &u64| self.tracks.iter().any(|track| track.id == *id);
+        self.speaker = self.speaker.filter(is_there);
+        let mut set_aside = (before - records(self)) as u64;
+        if self
+            .nobody_probability
+            .is_some_and(|probability| !probability.is_finite())
+        {
+            self.nobody_probability = None;
+            set_aside += 1;
+        }
+        if !self.time_s.is_finite() {
+            self.time_s = 0.0;
+            set_aside += 1;
+        }
+        set_aside
+    }
 }
 
 /// One person.
@@ -124,6 +164,40 @@ pub fn scene_schema() -> serde_json::Value {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn records_with_a_bad_number_are_set_aside_and_the_others_stay() {
+        let track = |id, existence| TrackRecord {
+            id,
+            phase: TrackPhase::Visible,
+            existence,
+            views: vec![],
+            position_m: None,
+            speaking: false,
+            speaking_probability: None,
+            effective_sample_size: 1.0,
+        };
+        let sound = |column_px| SoundRecord {
+            array: "pair".into(),
+            delay_s: 0.0,
+            column_px,
+            signal_to_noise_db: 1.0,
+            from_onset: false,
+            track: None,
+        };
+        let mut scene = Scene {
+            tracks: vec![track(1, 0.9), track(2, f64::NAN), track(3, 0.8)],
+            sounds: vec![sound(Some(f64::INFINITY)), sound(Some(3.0)), sound(None)],
+            speaker: Some(2),
+            ..Scene::default()
+        };
+        assert_eq!(scene.set_aside_non_finite(), 2);
+        let left: Vec<u64> = scene.tracks.iter().map(|track| track.id).collect();
+        assert_eq!((left, scene.sounds.len(), scene.speaker), (vec![1, 3], 2, None));
+        assert_eq!(scene.set_aside_non_finite(), 0);
+        let written = serde_json::to_string(&scene).unwrap();
+        assert_eq!(serde_json::from_str::<Scene>(&written).unwrap(), scene);
+    }
 
     #[test]
     fn schema_names_every_field_of_a_scene() {

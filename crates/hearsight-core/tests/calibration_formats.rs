@@ -263,8 +263,8 @@ fn wrong_values_are_refused_by_field_value_and_cure() {
             NATIVE,
             "[1.9, -3.0, 1.4]",
             "[1.7e308, 1.7e308, 1.7e308]",
-            "position",
-            "metres",
+            "camera[0].look_at_m",
+            "at a finite distance",
         ),
     ];
     for (text, from, to, field, cure) in cases {

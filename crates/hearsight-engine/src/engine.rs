@@ -47,6 +47,8 @@ pub struct Engine {
     /// Ticks that were counted before the run was restored.
     restored_ticks: u64,
     last_track: u64,
+    /// Records that were kept out of scenes for numbers that are not finite.
+    set_aside: u64,
     faults: FaultBook,
     opened: time::Instant,
     decoding: Duration,
@@ -100,6 +102,9 @@ impl Engine {
         sources: Sources,
         system: Box<dyn System>,
     ) -> Result<Self, EngineError> {
+        for warning in system.warnings() {
+            tracing::warn!("{warning}");
+        }
         let threads = configuration.run.threads.max(1);
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -140,6 +145,7 @@ impl Engine {
             counts: Counts::default(),
             restored_ticks: 0,
             last_track: 0,
+            set_aside: 0,
             faults: FaultBook::default(),
             opened: time::Instant::now(),
             decoding: Duration::ZERO,
@@ -226,6 +232,7 @@ impl Engine {
             self.take_delivery(delivery);
         }
         self.scene.faults.clone_from(&self.moment.faults);
+        self.set_aside += self.scene.set_aside_non_finite();
         self.account();
     }
 
@@ -340,7 +347,8 @@ impl Engine {
             times_real_time: if elapsed_s > 0.0 { done_s / elapsed_s } else { 0.0 },
             stages: stage_times(&stages),
             faults: self.faults.list(),
-            quarantined: self.system.quarantined(),
+            warnings: self.system.warnings().to_vec(),
+            quarantined: self.system.quarantined() + self.set_aside,
         }
     }
 }

@@ -45,7 +45,9 @@ pub struct Summary {
     pub stages: Vec<StageTime>,
     /// Every kind of fault that occurred.
     pub faults: Vec<FaultSummary>,
-    /// Numbers that were not finite and were set aside.
+    /// What the system cannot do in this room, with reason and cure.
+    pub warnings: Vec<String>,
+    /// Numbers that were not finite and were set aside, and records of scenes with such numbers.
     pub quarantined: u64,
 }
 

@@ -14,7 +14,7 @@ use hearsight_core::finite::is_finite;
 use hearsight_core::record::{
     BoxRecord, SCENE_SCHEMA_VERSION, Scene, SoundRecord, TrackPhase, TrackRecord, ViewRecord,
 };
-use hearsight_core::room::Room;
+use hearsight_core::room::{ArraySensor, Room};
 use hearsight_core::{Instant, Moment, Rectangle, Span};
 use hearsight_tracking::body::{HeadBox, Part};
 use hearsight_tracking::cues::{ColourCue, Cue, MotionCue, SoundCue};
@@ -60,6 +60,7 @@ struct View {
 /// The system.
 pub struct Stac {
     views: Vec<View>,
+    warnings: Vec<String>,
     next_identity: u64,
     last: Option<Instant>,
 }
@@ -104,9 +105,39 @@ fn build(parameters: &Value, room: &Room, seed: u64) -> Result<Box<dyn System>, 
         .collect();
     Ok(Box::new(Stac {
         views: views?,
+        warnings: warnings(room),
         next_identity: 0,
         last: None,
     }))
+}
+
+/// Whether the delays of an array can be told: two microphones with known places.
+fn is_placed(array: &ArraySensor) -> bool {
+    array.microphones.len() >= 2
+}
+
+/// What cannot be done with the sensors of a room: everybody is still tracked by what is seen.
+fn warnings(room: &Room) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for array in &room.arrays {
+        let Some(camera) = array.camera.and_then(|camera| room.cameras.get(camera)) else {
+            continue;
+        };
+        if !is_placed(array) {
+            warnings.push(format!(
+                "array `{}` is not listened to, nobody is said to speak: the places of two microphones must be known; \
+                 give `microphones = [[x, y, z], ...]` in metres in [[array]]",
+                array.name
+            ));
+        } else if camera.calibration.is_none() {
+            warnings.push(format!(
+                "who speaks to array `{}` is told by time alone, not by place: camera `{}` has no calibration; give \
+                 `calibration` in [[camera]]",
+                array.name, camera.name
+            ));
+        }
+    }
+    warnings
 }
 
 fn build_view(parameters: &Parameters, room: &Room, camera: usize, seed: u64) -> Result<View, SystemError> {
@@ -114,7 +145,8 @@ fn build_view(parameters: &Parameters, room: &Room, camera: usize, seed: u64) ->
     let paired = match parameters.modality {
         Modality::Video => None,
         Modality::AudioVisual | Modality::Audio => {
-            room.arrays.iter().position(|array| array.camera == Some(camera))
+            let of_view = |array: &ArraySensor| array.camera == Some(camera) && is_placed(array);
+            room.arrays.iter().position(of_view)
         }
     };
     let array = paired.map(|index| (index, room.arrays[index].name.clone()));
@@ -473,6 +505,10 @@ impl System for Stac {
 
     fn correlation_strip(&self, camera: usize) -> &[f32] {
         self.views.get(camera).map_or(&[], |view| &view.strip)
+    }
+
+    fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     fn quarantined(&self) -> u64 {

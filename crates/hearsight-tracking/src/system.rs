@@ -33,6 +33,11 @@ pub trait System: Send {
     /// the overlay: values 0 to 1 from the left edge to the right one. Empty without sound.
     fn correlation_strip(&self, camera: usize) -> &[f32];
 
+    /// What this system cannot do in this room, each with its reason and cure: for people who expect it. Default nothing.
+    fn warnings(&self) -> &[String] {
+        &[]
+    }
+
     /// Numbers that were not finite and were set aside since the start.
     fn quarantined(&self) -> u64;
 }

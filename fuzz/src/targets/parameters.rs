@@ -2,6 +2,7 @@
 
 use super::state::{moment, room};
 use super::{Target, Verdict, texts};
+use hearsight_core::finite::is_finite;
 use hearsight_core::record::Scene;
 use hearsight_systems::{REGISTRY, build};
 use serde_json::Value;
@@ -54,6 +55,9 @@ pub(super) const TARGET: Target = Target {
             let mut scene = Scene::default();
             for moment in &moments {
                 system.step(moment, &mut scene);
+            }
+            if !is_finite(&scene) {
+                return Verdict::Broken("a number in the scene is not finite".to_owned());
             }
             match serde_json::to_string(&scene) {
                 Ok(_) => Verdict::Read(format!(

@@ -1,6 +1,7 @@
 //! Saved states of systems.
 
 use super::{Target, Verdict};
+use hearsight_core::finite::is_finite;
 use hearsight_core::moment::Observed;
 use hearsight_core::record::Scene;
 use hearsight_core::room::{ArraySensor, CameraSensor, Room};
@@ -64,6 +65,9 @@ fn restore(system: &mut dyn System, before: &[u8], bytes: &[u8]) -> Verdict {
     let mut scene = Scene::default();
     for number in 20..22 {
         system.step(&moment(number), &mut scene);
+    }
+    if !is_finite(&scene) {
+        return Verdict::Broken("a number in the scene is not finite".to_owned());
     }
     if system.save().is_err() {
         return Verdict::Broken("it cannot be saved again".to_owned());

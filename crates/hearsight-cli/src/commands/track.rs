@@ -125,6 +125,9 @@ pub(crate) fn print(engine: &Engine, summary: &Summary) {
         "tracks: {}; someone speaks for {speech:.1} s",
         counts.tracks
     ));
+    for warning in &summary.warnings {
+        say::line(format_args!("warning: {warning}"));
+    }
     for fault in &summary.faults {
         let times = if fault.count == 1 {
             String::new()

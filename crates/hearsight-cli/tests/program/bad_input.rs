@@ -296,6 +296,68 @@ fn a_camera_without_calibration_is_tracked_and_checked() {
 }
 
 #[test]
+fn an_array_without_places_is_left_out_with_a_warning() {
+    let trial = Trial::new();
+    let alone = |text: &str| {
+        let (code, message) = trial.track(text, &["--until", "2"]);
+        assert_eq!(code, 0, "{message}");
+        let tracks = std::fs::read_to_string(trial.directory.path().join("out/tracks.csv")).unwrap();
+        let report = std::fs::read_to_string(trial.directory.path().join("out/report.json")).unwrap();
+        let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+        (flat(&message), tracks, report["warnings"].clone())
+    };
+    let (message, with, warnings) = alone(&format!("{}{}", camera(&video()), array(&sound(), "")));
+    // Once in the log, once at the end.
+    let what = "array `pair` is not listened to";
+    assert_eq!(message.matches(what).count(), 2, "{message}");
+    assert!(message.contains("`microphones = [[x, y, z], ...]`"), "{message}");
+    assert!(warnings[0].as_str().unwrap().contains(what), "{warnings}");
+    let (message, without, warnings) = alone(&camera(&video()));
+    assert_eq!(with, without);
+    assert!(
+        !message.contains("warning") && warnings.as_array().unwrap().is_empty(),
+        "{message}"
+    );
+    let one = "microphones = [[0, 0, 1.4]]\nchannels = [0]";
+    let (message, ..) = alone(&format!("{}{}", camera(&video()), array(&sound(), one)));
+    assert!(message.contains(what), "{message}");
+}
+
+#[test]
+fn microphones_that_are_too_far_apart_are_refused() {
+    let trial = Trial::new();
+    for far in ["1e3", "1e300"] {
+        let microphones = format!("microphones = [[-0.5, 0, 1.4], [{far}, 0, 1.4]]");
+        trial.refused(
+            &format!("{}{}", camera(&video()), array(&sound(), &microphones)),
+            &["microphones", "60 m"],
+        );
+    }
+}
+
+#[test]
+fn parameters_out_of_range_are_named_with_the_range() {
+    let trial = Trial::new();
+    let text = format!("{}{}", camera(&video()), array(&sound(), MICROPHONES));
+    for (parameter, range) in [
+        ("audio.frame_s=1e308", "0.01 to 1"),
+        ("audio.frame_s=65536", "0.01 to 1"),
+        ("vision.heads.smallest_px=1e39", "4 to 10000"),
+        ("particles=100000000000", "1 to 20000"),
+        ("association.gate=nan", "0 to 10000"),
+    ] {
+        let (code, message) = trial.track(&text, &["--set", &format!("system.stac.{parameter}")]);
+        assert_eq!(code, 1, "{message}");
+        let (name, _) = parameter.split_once('=').unwrap();
+        let flat = flat(&message);
+        assert!(
+            flat.contains(&format!("system.stac.{name}")) && flat.contains(range),
+            "{message}"
+        );
+    }
+}
+
+#[test]
 fn sound_alone_is_heard() {
     let trial = Trial::new();
     let (code, message) = trial.track(&array(&sound(), MICROPHONES), &["--until", "1"]);

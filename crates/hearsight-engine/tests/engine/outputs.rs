@@ -13,6 +13,8 @@ use std::time::Duration;
 /// Believes in two people: one from the third tick on, hidden from the sixth; the other speaks in ticks 2, 3 and 5.
 struct Made {
     steps: u64,
+    /// Tick at which the first person's box is not a number.
+    wrong_at: Option<u64>,
 }
 
 impl System for Made {
@@ -49,6 +51,9 @@ impl System for Made {
         scene
             .tracks
             .push(track(1, TrackPhase::Visible, Some([1.0, -2.5, 0.25]), speaking));
+        if self.wrong_at == Some(moment.tick) {
+            scene.tracks[0].views[0].head.left = f64::NAN;
+        }
         if moment.tick >= 3 {
             let phase = if moment.tick >= 6 {
                 TrackPhase::Occluded
@@ -99,7 +104,35 @@ fn room(directory: &Path) -> ResolvedRoom {
 }
 
 fn open(room: ResolvedRoom) -> Engine {
-    Engine::open_with(room, |_| Ok(Box::new(Made { steps: 0 }))).unwrap()
+    open_wrong(room, None)
+}
+
+fn open_wrong(room: ResolvedRoom, wrong_at: Option<u64>) -> Engine {
+    Engine::open_with(room, |_| Ok(Box::new(Made { steps: 0, wrong_at }))).unwrap()
+}
+
+#[test]
+fn a_number_that_is_not_finite_reaches_no_output_and_is_counted() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut engine = open_wrong(room(directory.path()), Some(5));
+    let outputs = engine.open_outputs().unwrap();
+    let stop = Arc::new(AtomicBool::new(false));
+    let summary = run(&mut engine, outputs, &stop, &mut |_| ()).unwrap();
+    assert_eq!((summary.counts.ticks, summary.quarantined), (8, 1));
+    let scenes = std::fs::read_to_string(directory.path().join("out/scenes.jsonl")).unwrap();
+    let scenes: Vec<Scene> = scenes
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    let ids = |tick: usize| {
+        scenes[tick]
+            .tracks
+            .iter()
+            .map(|track| track.id)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!((ids(4), ids(5), ids(6)), (vec![1, 2], vec![2], vec![1, 2]));
+    assert_eq!((scenes[3].speaker, scenes[5].speaker), (Some(1), None));
 }
 
 #[test]

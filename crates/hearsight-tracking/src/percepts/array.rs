@@ -136,6 +136,9 @@ struct Engine {
 /// The rate at which sound is looked at, samples a second (stac, section 3: f_max = 6 kHz; E5).
 const RATE_HZ: u32 = 12_000;
 
+/// Greatest distance of two microphones that are one array, metres: beyond it memory and time grow without use.
+const FARTHEST_M: f64 = 60.0;
+
 impl ArrayPercepts {
     /// Percepts of the first two microphones of an array.
     ///
@@ -157,13 +160,21 @@ impl ArrayPercepts {
             }
         };
         settings.check()?;
+        let distance_m = first.distance_m(second);
+        if !(distance_m <= FARTHEST_M) {
+            return Err(AudioError::Setting {
+                name: "microphones",
+                rule: "within 60 m of each other",
+                value: distance_m,
+            });
+        }
         let samples = |seconds: f64| (seconds * f64::from(RATE_HZ)).round().max(1.0) as usize;
         let frames = FrameSettings {
             length: samples(settings.frame_s),
             hop: samples(settings.hop_s),
             ..FrameSettings::half_overlapping(settings.frame_s, RATE_HZ, array.channels)
         };
-        let greatest_s = first.distance_m(second) / speed_of_sound_m_s;
+        let greatest_s = distance_m / speed_of_sound_m_s;
         let transform = transform_length(frames.length, greatest_s, RATE_HZ);
         let analyzer = SpectrumAnalyzer::new(frames.length, transform, Window::Hann)?;
         let correlator = Correlator::new(CorrelatorSettings {
