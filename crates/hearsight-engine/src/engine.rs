@@ -335,6 +335,12 @@ impl Engine {
         let mut stages = vec![("decode", self.decoding)];
         stages.extend(self.system.timings());
         stages.push(("write", self.writing));
+        let mut warnings = self.system.warnings().to_vec();
+        if outcome == Outcome::Finished {
+            warnings.extend(self.counts.silent().map(|sensor| {
+                format!("`{sensor}` gave no data between the beginning and the end of this run; correct its `start`")
+            }));
+        }
         Summary {
             version: env!("CARGO_PKG_VERSION"),
             outcome,
@@ -347,7 +353,7 @@ impl Engine {
             times_real_time: if elapsed_s > 0.0 { done_s / elapsed_s } else { 0.0 },
             stages: stage_times(&stages),
             faults: self.faults.list(),
-            warnings: self.system.warnings().to_vec(),
+            warnings,
             quarantined: self.system.quarantined() + self.set_aside,
         }
     }

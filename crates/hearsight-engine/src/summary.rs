@@ -45,7 +45,7 @@ pub struct Summary {
     pub stages: Vec<StageTime>,
     /// Every kind of fault that occurred.
     pub faults: Vec<FaultSummary>,
-    /// What the system cannot do in this room, with reason and cure.
+    /// What the system cannot do in this room and sensors that gave no data, with reason and cure.
     pub warnings: Vec<String>,
     /// Numbers that were not finite and were set aside, and records of scenes with such numbers.
     pub quarantined: u64,
@@ -140,6 +140,13 @@ impl FaultBook {
 }
 
 impl Counts {
+    /// Sensors that gave no data.
+    pub(crate) fn silent(&self) -> impl Iterator<Item = &str> {
+        let all = self.frames.iter().chain(&self.samples);
+        all.filter(|(_, count)| **count == 0)
+            .map(|(name, _)| name.as_str())
+    }
+
     /// Takes the data of one moment.
     pub(crate) fn add_moment(&mut self, moment: &Moment, cameras: &[String], arrays: &[String]) {
         self.ticks += 1;
