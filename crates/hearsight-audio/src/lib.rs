@@ -1,7 +1,7 @@
 //! What Hearsight hears with: from samples of an array to delays, onsets and voice activity.
 //!
-//! This crate knows samples and spectra, not rooms: of microphones it sees spacings and baselines, never places,
-//! particles or tracks. Every
+//! This crate knows samples and spectra, not rooms: of microphones it sees spacings and baselines, and places in
+//! [`steered_response`] alone; never particles or tracks. Every
 //! object owns its buffers and reuses them; a steady run allocates nothing a frame. What must survive a restart
 //! (framing, resampling, noise floors, onsets, activity) is serializable and goes on with the same bytes.
 //!
@@ -15,7 +15,7 @@
 //! 5. [`correlation::Correlator`] gives the generalized cross-correlation of a pair; [`bands::BandBank`] splits it
 //!    into bands, and [`agreement::Agreement`] combines them where they agree.
 //! 6. [`bearing`] turns the delay of a pair into an angle and a column, [`steered`] the correlations of many pairs into an
-//!    azimuth.
+//!    azimuth, [`steered_response`] into scores of any points in the room.
 //!
 //! Convention: the correlation of a pair (i, j) is that of X_i X_j*, and its delay is t_i - t_j in seconds: positive
 //! where microphone i hears later than j.
@@ -35,6 +35,7 @@ pub mod onset;
 pub mod resample;
 pub mod spectrum;
 pub mod steered;
+pub mod steered_response;
 mod timeline;
 pub mod weighting;
 

@@ -249,6 +249,8 @@ mod tests {
             column_px: Some(3.0),
             signal_to_noise_db: 20.0,
             from_onset: true,
+            position_m: None,
+            deviation_m: None,
             track: None,
         };
         let mut scene = Scene {

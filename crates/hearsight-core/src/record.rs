@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Version of the scene record. A reader must refuse a larger major part.
-pub const SCENE_SCHEMA_VERSION: &str = "1.0";
+pub const SCENE_SCHEMA_VERSION: &str = "1.1";
 
 /// Everything that is known about the room at one tick.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -27,6 +27,10 @@ pub struct Scene {
     pub speaker: Option<u64>,
     /// Probability that no published track speaks, 0 to 1; null without sound.
     pub nobody_probability: Option<f64>,
+    /// The track that spoke last, whether or not it still speaks or is still there; left out where the system does not
+    /// keep it. Since 1.1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub last_speaker: Option<u64>,
     /// What went wrong since the tick before.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub faults: Vec<Fault>,
@@ -84,6 +88,9 @@ pub struct TrackRecord {
     pub views: Vec<ViewRecord>,
     /// Place of the mouth in the world, metres; null where the system knows only pictures.
     pub position_m: Option<[f64; 3]>,
+    /// Standard deviations of `position_m`, (x, y, z), metres; left out where the system does not know. Since 1.1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deviation_m: Option<[f64; 3]>,
     /// Whether this track is the one that speaks.
     pub speaking: bool,
     /// Probability of that, 0 to 1; null without sound.
@@ -141,6 +148,12 @@ pub struct SoundRecord {
     pub signal_to_noise_db: f64,
     /// Whether the delay was measured at the onset of a sound, before its reverberation.
     pub from_onset: bool,
+    /// Place in the world, metres; left out where the system knows only delays. Since 1.1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position_m: Option<[f64; 3]>,
+    /// Standard deviations of `position_m`, (x, y, z), metres. Since 1.1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deviation_m: Option<[f64; 3]>,
     /// The track that it belongs to, or null.
     pub track: Option<u64>,
 }

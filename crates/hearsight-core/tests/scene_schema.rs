@@ -129,6 +129,7 @@ fn scenes() -> [Scene; 2] {
         existence: 0.99,
         views: if full { vec![view.clone()] } else { vec![] },
         position_m: full.then_some([0.1, -2.0, 1e-300]),
+        deviation_m: full.then_some([0.1, 0.2, 0.3]),
         speaking: full,
         speaking_probability: full.then_some(0.75),
         effective_sample_size: 120.5,
@@ -139,6 +140,8 @@ fn scenes() -> [Scene; 2] {
         column_px: full.then_some(101.5),
         signal_to_noise_db: 12.0,
         from_onset: true,
+        position_m: full.then_some([1.0, 2.0, 1.5]),
+        deviation_m: full.then_some([0.1, 0.7, 0.3]),
         track: full.then_some(1),
     };
     let kinds = [
@@ -167,6 +170,7 @@ fn scenes() -> [Scene; 2] {
         sounds: vec![sound(full)],
         speaker: full.then_some(1),
         nobody_probability: full.then_some(0.125),
+        last_speaker: full.then_some(1),
         faults: if full { kinds.map(fault).to_vec() } else { vec![] },
     };
     [scene(true), scene(false)]

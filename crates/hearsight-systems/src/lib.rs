@@ -4,6 +4,7 @@
 
 mod parallel;
 pub mod stac;
+pub mod three_mics;
 
 pub use hearsight_tracking::system::{StateError, System};
 
@@ -28,7 +29,7 @@ pub struct SystemInfo {
 type Build = fn(&Value, &Room, u64) -> Result<Box<dyn System>, SystemError>;
 
 /// Every system there is.
-pub const REGISTRY: &[SystemInfo] = &[stac::INFO];
+pub const REGISTRY: &[SystemInfo] = &[stac::INFO, three_mics::INFO];
 
 /// Why a system could not be built.
 #[derive(Debug, thiserror::Error)]

@@ -380,6 +380,7 @@ impl View {
                     deviation_px: belief.deviation.map(f64::from),
                 }],
                 position_m: None,
+                deviation_m: None,
                 speaking: speaker == Some(id),
                 speaking_probability: with_sound.then_some(belief.speaking),
                 effective_sample_size: belief.effective_sample_size,
@@ -397,6 +398,8 @@ impl View {
                     column_px: self.map.as_ref().and_then(|map| map.column(delay_s)),
                     signal_to_noise_db: heard.signal_to_noise_db().into(),
                     from_onset: heard.has_onset(),
+                    position_m: None,
+                    deviation_m: None,
                     track: speaker,
                 });
             }
@@ -433,6 +436,7 @@ impl System for Stac {
         scene.sounds.clear();
         scene.speaker = None;
         scene.nobody_probability = None;
+        scene.last_speaker = None;
         scene.faults.clone_from(&moment.faults);
         for view in &self.views {
             view.record(scene);

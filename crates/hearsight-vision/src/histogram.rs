@@ -253,6 +253,16 @@ impl Histogram {
         Some(Self { values })
     }
 
+    /// Replaces the values by `values`, each times `scale`; no change where their number differs. To stay a histogram
+    /// they must be scaled to sum to 1.
+    pub fn set_scaled(&mut self, values: &[f32], scale: f32) {
+        if values.len() == self.values.len() {
+            for (value, new) in self.values.iter_mut().zip(values) {
+                *value = scale * new;
+            }
+        }
+    }
+
     /// The values, one a bin.
     pub fn values(&self) -> &[f32] {
         &self.values

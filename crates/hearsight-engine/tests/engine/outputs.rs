@@ -42,6 +42,7 @@ impl System for Made {
                 deviation_px: [1.0, 1.0],
             }],
             position_m,
+            deviation_m: None,
             speaking,
             speaking_probability: Some(if speaking { 0.8 } else { 0.1 }),
             effective_sample_size: 10.0,

@@ -6,9 +6,13 @@
 mod array;
 mod camera;
 mod direction;
+mod face_windows;
 mod faces;
+mod steered;
 
 pub use array::{ArrayPercepts, ArraySettings, ArrayState};
 pub use camera::{CameraPercepts, CameraSettings, CameraState, Detection};
 pub use direction::{DirectionPercept, DirectionSettings, DirectionState};
+pub use face_windows::{FaceWindow, FaceWindowPercepts, FaceWindowSettings, FaceWindowState};
 pub use faces::{CameraError, FaceCascade, FaceSettings};
+pub use steered::{HeardFrame, SteeredArraySettings, SteeredPercepts, SteeredState};

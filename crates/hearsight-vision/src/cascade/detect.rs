@@ -146,6 +146,12 @@ impl CascadeDetector {
         &self.options
     }
 
+    /// Changes the smallest and largest window, pixels (width, height); 0 x 0 as in [`DetectOptions`].
+    pub fn limit(&mut self, smallest: (u32, u32), largest: (u32, u32)) {
+        self.options.smallest = smallest;
+        self.options.largest = largest;
+    }
+
     /// The groups of windows in `picture`, those of the turned picture last.
     pub fn detect(&mut self, picture: GrayView<'_>) -> &[Detection] {
         self.windows(picture);

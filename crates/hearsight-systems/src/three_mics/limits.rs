@@ -1,0 +1,209 @@
+//! The range of every number among the parameters, checked before anything is built of them.
+
+use super::INFO;
+use crate::SystemError;
+use serde_json::Value;
+
+/// A parameter by its path, its least and its greatest value.
+type Limit = (&'static str, f64, f64);
+
+const LIMITS: &[Limit] = &[
+    ("room.low_m", -1000.0, 1000.0),
+    ("room.high_m", -1000.0, 1000.0),
+    ("audio.frame_s", 0.01, 2.0),
+    ("audio.hop_s", 0.005, 2.0),
+    ("audio.response.interpolation", 1.0, 64.0),
+    ("audio.response.low_hz", 0.0, 24_000.0),
+    ("audio.response.high_hz", 1.0, 1e6),
+    ("audio.response.combination.product.floor", 1e-6, 0.999),
+    ("audio.response.combination.product.exponent", 0.001, 100.0),
+    ("audio.noise.smoothing_s", 0.001, 60.0),
+    ("audio.noise.window_s", 0.01, 3600.0),
+    ("audio.noise.start_s", 0.0, 3600.0),
+    ("audio.noise.first_power", 1e-12, 1.0),
+    ("audio.noise.rise_db_s", 0.01, 1000.0),
+    ("audio.activity.on_db", -100.0, 200.0),
+    ("audio.activity.off_db", -100.0, 200.0),
+    ("audio.activity.hangover_s", 0.0, 3600.0),
+    ("audio.activity.slope", 0.001, 100.0),
+    ("audio.activity.limit", 0.001, 100.0),
+    ("audio.activity.independence_s", 0.001, 3600.0),
+    ("audio.activity.mean_speech_s", 0.001, 3600.0),
+    ("audio.activity.mean_pause_s", 0.001, 3600.0),
+    ("sound.particles", 1.0, 100_000.0),
+    ("sound.rate_per_s", 0.0, 1000.0),
+    ("sound.velocity_m_s", 0.0, 100.0),
+    ("sound.height.mean_m", -100.0, 100.0),
+    ("sound.height.deviation_m", 0.001, 100.0),
+    ("sound.external.filter.particles", 1.0, 100_000.0),
+    ("sound.external.filter.distance_m", 0.0, 100.0),
+    ("sound.external.filter.time_s", 0.0, 3600.0),
+    ("sound.external.grid.coarse_m", 0.02, 10.0),
+    ("sound.external.grid.distance_m", 0.0, 100.0),
+    ("sound.external.grid.time_s", 0.0, 3600.0),
+    ("sound.external.grid.advantage", -1000.0, 1000.0),
+    ("vision.smallest_px", 8.0, 10_000.0),
+    ("vision.largest_px", 0.0, 10_000.0),
+    ("vision.full_search_s", 0.001, 3600.0),
+    ("vision.margin", 0.0, 10.0),
+    ("vision.sizes", 0.1, 10.0),
+    ("vision.scale_step", 1.01, 4.0),
+    ("faces.particles", 1.0, 20_000.0),
+    ("faces.walk.position", 0.0, 100.0),
+    ("faces.walk.width", 0.0, 10.0),
+    ("faces.likelihood.falloff", 0.0, 100.0),
+    ("faces.likelihood.width_deviation", 0.001, 10.0),
+    ("faces.likelihood.exponent", 0.0, 100.0),
+    ("faces.likelihood.base", 1e-6, 1000.0),
+    ("faces.colour.bins", 2.0, 32.0),
+    ("faces.colour.weights", 0.0, 1000.0),
+    ("faces.colour.variance", 1e-6, 1000.0),
+    ("faces.colour.adaptation_s", 0.001, 1e6),
+    ("faces.life.windows", 1.0, 1000.0),
+    ("faces.life.support_s", 0.0, 3600.0),
+    ("faces.life.seen", 0.0, 1000.0),
+    ("faces.life.coloured", -1000.0, 1000.0),
+    ("faces.life.missed", -1000.0, 0.0),
+    ("faces.life.own_colours", 0.0, 1.0),
+    ("faces.life.least", 0.0, 1.0),
+    ("faces.life.overlap", 0.0, 1.0),
+    ("faces.life.most", 1.0, 1000.0),
+    ("association.residual_m", 0.001, 100.0),
+    ("association.deviations", 0.001, 1000.0),
+    ("association.height_m", -100.0, 100.0),
+    ("association.face_width_m", 0.001, 10.0),
+    ("activity.turn_s", 0.001, 3600.0),
+    ("activity.independent_s", 0.001, 3600.0),
+    ("activity.fit", -100.0, 100.0),
+    ("activity.edge", -100.0, 100.0),
+    ("activity.apart", -100.0, 100.0),
+    ("activity.silence", -100.0, 100.0),
+    ("activity.least", 0.0, 1.0),
+    ("place.walk_m", 0.0, 100.0),
+    ("place.independent_s", 0.001, 3600.0),
+];
+
+/// Parameters that may be null.
+const OPTIONAL: &[&str] = &["room", "sound.height"];
+
+/// Checks the numbers of parameters written as JSON, where one that is not finite is null. Numbers of a list share the
+/// range of the list.
+///
+/// # Errors
+/// [`SystemError::Range`] for the first that is out of its range.
+pub(super) fn check(parameters: &Value) -> Result<(), SystemError> {
+    check_part(parameters, &mut String::new())
+}
+
+fn check_part(value: &Value, path: &mut String) -> Result<(), SystemError> {
+    match value {
+        Value::Object(table) => {
+            for (key, value) in table {
+                let length = path.len();
+                if !path.is_empty() {
+                    path.push('.');
+                }
+                path.push_str(key);
+                check_part(value, path)?;
+                path.truncate(length);
+            }
+            Ok(())
+        }
+        Value::Array(list) => list.iter().try_for_each(|value| check_part(value, path)),
+        Value::Null if OPTIONAL.contains(&path.as_str()) => Ok(()),
+        Value::Null => check_number(f64::NAN, path),
+        Value::Number(number) => check_number(number.as_f64().unwrap_or(f64::NAN), path),
+        _ => Ok(()),
+    }
+}
+
+fn check_number(value: f64, path: &str) -> Result<(), SystemError> {
+    let limit = LIMITS.iter().find(|(known, ..)| *known == path);
+    let &(_, least, greatest) = limit.unwrap_or(&("", f64::MIN, f64::MAX));
+    // Parameters of 32 bits are a little off the number that was written.
+    let slack = 1e-6 * least.abs().max(greatest.abs().min(1.0));
+    if value >= least - slack && value <= greatest + slack {
+        return Ok(());
+    }
+    Err(SystemError::Range {
+        system: INFO.name,
+        parameter: path.to_owned(),
+        value,
+        least,
+        greatest,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::three_mics::{Parameters, RoomBox};
+    use hearsight_tracking::sound::External;
+    use serde_json::json;
+    use std::collections::BTreeSet;
+
+    fn walk(value: &Value, path: &str, each: &mut impl FnMut(&str, f64)) {
+        match value {
+            Value::Object(table) => {
+                for (key, value) in table {
+                    let dot = if path.is_empty() { "" } else { "." };
+                    walk(value, &format!("{path}{dot}{key}"), each);
+                }
+            }
+            Value::Array(list) => list.iter().for_each(|value| walk(value, path, each)),
+            Value::Number(number) => each(path, number.as_f64().unwrap()),
+            _ => {}
+        }
+    }
+
+    #[test]
+    fn every_number_has_a_range_around_its_default_and_every_range_a_number() {
+        let mut full = Parameters {
+            room: Some(RoomBox {
+                low_m: [-2.0; 3],
+                high_m: [2.0; 3],
+            }),
+            ..Parameters::default()
+        };
+        let mut seen = BTreeSet::new();
+        let filter = External::Filter {
+            particles: 500,
+            distance_m: 1.0,
+            time_s: 1.0,
+        };
+        for external in [External::default(), filter] {
+            full.sound.external = external;
+            let parameters = serde_json::to_value(&full).unwrap();
+            check(&parameters).unwrap();
+            walk(&parameters, "", &mut |path, value| {
+                let limit = LIMITS.iter().find(|(known, ..)| *known == path);
+                let (_, least, greatest) =
+                    limit.unwrap_or_else(|| panic!("{path} has no range in this table"));
+                assert!(least < greatest && (least..=greatest).contains(&&value), "{path}");
+                seen.insert(path.to_owned());
+            });
+        }
+        for (path, ..) in LIMITS {
+            assert!(seen.contains(*path), "{path} is no parameter");
+        }
+    }
+
+    #[test]
+    fn nothing_beyond_an_end_is_allowed() {
+        for (path, least, greatest) in LIMITS {
+            for (value, holds) in [
+                (*least, true),
+                (*greatest, true),
+                (least - 0.1 - 0.1 * least.abs(), false),
+                (greatest + 0.1 + 0.1 * greatest.abs(), false),
+            ] {
+                let nested = path
+                    .rsplit('.')
+                    .fold(json!(value), |inner, key| json!({ key: inner }));
+                let error = check(&nested).err().map(|error| error.to_string());
+                assert_eq!(error.is_none(), holds, "{path} = {value}: {error:?}");
+                assert!(error.is_none_or(|error| error.contains(path)));
+            }
+        }
+    }
+}
