@@ -4,4 +4,5 @@ pub(crate) mod check;
 pub(crate) mod demo;
 pub(crate) mod evaluate;
 pub(crate) mod schema;
+pub(crate) mod simulate;
 pub(crate) mod track;

@@ -10,6 +10,7 @@ mod interrupt;
 mod logging;
 mod overrides;
 mod progress;
+mod recording;
 mod say;
 
 use clap::{Parser, Subcommand};
@@ -33,6 +34,8 @@ enum Command {
     Track(commands::track::Arguments),
     /// Find out whether a room is sane: channels, clocks, levels, geometry, calibration.
     Check(commands::check::Arguments),
+    /// Make recordings of a simulated room, with the exact truth.
+    Simulate(commands::simulate::Arguments),
     /// Make a small recording of two people, track it and say what came out. Needs no data and no device.
     Demo(commands::demo::Arguments),
     /// Judge tracks by the truth: CLEAR MOT, identity, HOTA, speech, calibration; table, JSON, HTML with plots.
@@ -47,6 +50,7 @@ fn main() -> ExitCode {
     let result = match arguments.command {
         Command::Track(arguments) => commands::track::run(&arguments),
         Command::Check(arguments) => commands::check::run(&arguments),
+        Command::Simulate(arguments) => commands::simulate::run(&arguments),
         Command::Demo(arguments) => commands::demo::run(&arguments),
         Command::Evaluate(arguments) => commands::evaluate::run(&arguments),
         Command::Schema(arguments) => commands::schema::run(&arguments),

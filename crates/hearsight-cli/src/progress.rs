@@ -1,5 +1,6 @@
 //! The bar with the time left, on standard error and only on a terminal.
 
+use hearsight::Instant;
 use hearsight::engine::Progress;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
@@ -32,6 +33,26 @@ impl Bar {
         };
         let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
         Self(Some(bars().add(bar.with_style(style))))
+    }
+
+    /// A bar for so many seconds of a recording, or nothing where nobody would see it.
+    pub(crate) fn of_seconds(seconds: f64, quiet: bool) -> Self {
+        let first = Progress {
+            start: Instant::ZERO,
+            position: Instant::ZERO,
+            end: Some(Instant::from_seconds(seconds)),
+            ticks: 0,
+            tracks: 0,
+        };
+        Self::new(&first, quiet)
+    }
+
+    /// Shows how many seconds are done.
+    pub(crate) fn show_seconds(&self, seconds: f64) {
+        if let Some(bar) = &self.0 {
+            bar.set_position((seconds * UNITS_PER_SECOND) as u64);
+            bar.set_message(format!("{seconds:.1} s"));
+        }
     }
 
     /// Shows how far the run is.

@@ -57,11 +57,11 @@ fn flat(message: &str) -> String {
 }
 
 fn video() -> PathBuf {
-    recording().join("video.mp4")
+    recording().join("front.mp4")
 }
 
 fn sound() -> PathBuf {
-    recording().join("sound.wav")
+    recording().join("pair.wav")
 }
 
 fn camera(file: &Path) -> String {

@@ -1,11 +1,11 @@
-//! A small recording that the program itself makes, and ways to run the program.
+//! A small recording that the program itself simulates, and ways to run the program.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 use tempfile::TempDir;
 
-/// Length of the recording, seconds.
+/// Length of the recording, seconds: that of `recording.toml`.
 pub(crate) const SECONDS: f64 = 5.0;
 
 /// The program, not yet started.
@@ -33,17 +33,18 @@ pub(crate) fn printed(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// The directory of a recording with `room.toml`, `video.mp4` and `sound.wav`, made once a test program.
+/// The directory of a recording with `room.toml`, `front.mp4`, `pair.wav` and the truth, made once a test program.
 pub(crate) fn recording() -> &'static Path {
     static RECORDING: OnceLock<TempDir> = OnceLock::new();
     let directory = RECORDING.get_or_init(|| {
         let directory = TempDir::new().unwrap();
+        let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/program/recording.toml");
         let out = directory.path().to_str().unwrap();
         let made = run(&[
-            "demo",
-            "--only-make",
-            "--seconds",
-            &SECONDS.to_string(),
+            "simulate",
+            scene.to_str().unwrap(),
+            "--format",
+            "mp4",
             "--out",
             out,
         ]);

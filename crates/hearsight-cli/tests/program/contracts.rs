@@ -214,7 +214,7 @@ fn formats_begin_as_documented() {
     }
     for line in lines(&out.join("speech.rttm")) {
         assert!(
-            line.starts_with("SPEAKER demo 1 ") && line.contains(" <NA> <NA> track"),
+            line.starts_with("SPEAKER test 1 ") && line.contains(" <NA> <NA> track"),
             "{line}"
         );
         assert_eq!(line.split(' ').count(), 10, "{line}");

@@ -6,8 +6,12 @@ use super::resolve::Resolver;
 use super::surroundings::{pick, vivid};
 use crate::acoustics::random::{Generator, between, generator, normal};
 use crate::world::{Colour, Hair, Looks, Material, Pattern, VoiceSpec, Wear};
+use crate::voice::TalkerKind;
 use hearsight_core::configuration::{ConfigurationError, Field};
 use rand::Rng;
+
+/// Who is lower has a child's voice, metres.
+const CHILD_M: f64 = 1.45;
 
 /// From light to dark.
 const SKINS: [u32; 8] = [
@@ -116,17 +120,14 @@ impl Resolver {
         &self,
         field: &Field,
         raw: &RawVoice,
-        seed: u64,
+        height_m: f64, seed: u64,
     ) -> Result<VoiceSpec, ConfigurationError> {
-        let pitch_hz = match raw.pitch {
-            Some(_) => Some(self.number(
-                &field.key("pitch"),
-                raw.pitch,
-                0.0,
-                [60.0, 400.0],
-                "men have about 110, women 200, children 300 hertz",
-            )?),
-            None => None,
+        let drawn = if height_m < CHILD_M {
+            TalkerKind::Child
+        } else if seed.count_ones().is_multiple_of(2) {
+            TalkerKind::Man
+        } else {
+            TalkerKind::Woman
         };
         let recording = match &raw.recording {
             Some(path) => Some(self.existing(&field.key("recording"), path)?),
@@ -140,7 +141,7 @@ impl Resolver {
                 [-100.0, 0.0],
                 "give decibels relative to full scale, at one metre",
             )?,
-            pitch_hz,
+            kind: raw.kind.unwrap_or(drawn),
             recording,
             seed,
         })

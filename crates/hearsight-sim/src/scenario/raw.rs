@@ -5,7 +5,7 @@
 //! paths relative to the file. Places on the floor are `[x, y]`, in the room `[x, y, z]`; the room spans from the origin
 //! to its `size`.
 
-use crate::voice::TurnSettings;
+use crate::voice::{TalkerKind, TurnSettings};
 use crate::world::{GestureKind, Hair, NoiseKind, Pattern};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -235,9 +235,9 @@ pub struct RawPerson {
 pub struct RawVoice {
     /// Level one metre before the mouth, decibels relative to full scale. Default -30.
     pub level: Option<f64>,
-    /// Mean pitch of the built-in talker, hertz, 60 to 400. Default: drawn.
-    pub pitch: Option<f64>,
-    /// A file or a folder of recorded speech (WAV, FLAC) to be spoken instead.
+    /// Whose voice the built-in talker has. Default: drawn; a child's of who is lower than 1.45 m.
+    pub kind: Option<TalkerKind>,
+    /// A folder of recorded speech (WAV, FLAC) to be spoken instead.
     pub recording: Option<String>,
 }
 
@@ -315,8 +315,8 @@ pub struct RawNoise {
     pub during: Vec<[f64; 2]>,
     /// Middle and width of a `band`, hertz. Default `[1000, 200]`.
     pub band: Option<[f64; 2]>,
-    /// The file of a `recording`, or recorded speech for a `television`.
-    pub file: Option<String>,
+    /// A folder of recordings (WAV, FLAC) to be played instead of what is built in.
+    pub recording: Option<String>,
 }
 
 /// Something that moves and carries sensors.

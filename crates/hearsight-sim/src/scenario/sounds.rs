@@ -22,9 +22,7 @@ pub(super) fn kind_name(kind: Option<NoiseKind>) -> &'static str {
         NoiseKind::Motor => "motor",
         NoiseKind::Street => "street",
         NoiseKind::White => "white",
-        NoiseKind::Pink => "pink",
         NoiseKind::Band => "band",
-        NoiseKind::Recording => "recording",
     }
 }
 
@@ -68,21 +66,27 @@ impl Resolver {
                 ));
             }
         };
-        let point_only = matches!(
-            kind,
-            NoiseKind::Television
-                | NoiseKind::Telephone
-                | NoiseKind::Cough
-                | NoiseKind::Laugh
-                | NoiseKind::Clap
-        );
-        if point_only && place == NoisePlace::Diffuse {
-            let cure = "give its place, `at = [x, y, z]`, or the `person` who makes it";
-            return Err(self.wrong(
-                field,
-                format!("a {} comes from somewhere", kind_name(raw.kind)),
-                cure,
-            ));
+        if place == NoisePlace::Diffuse {
+            if !matches!(
+                kind,
+                NoiseKind::Fan | NoiseKind::Street | NoiseKind::White
+            ) {
+                let cure =
+                    "give its place, `at = [x, y, z]`; fans, streets and white noise may be everywhere";
+                return Err(self.wrong(
+                    field,
+                    format!("a {} comes from somewhere", kind_name(raw.kind)),
+                    cure,
+                ));
+            }
+            if !raw.during.is_empty() {
+                let cure = "leave it out, or give the sound a place";
+                return Err(self.wrong(
+                    &field.key("during"),
+                    "a sound from everywhere is always there",
+                    cure,
+                ));
+            }
         }
         let level = match (raw.level, raw.snr) {
             (Some(_), Some(_)) => {
@@ -116,11 +120,8 @@ impl Resolver {
                 "give middle and width in hertz, such as [1000, 200]",
             ));
         }
-        let recording = match &raw.file {
-            Some(path) => Some(self.existing(&field.key("file"), path)?),
-            None if kind == NoiseKind::Recording => {
-                return Err(self.missing(field, "file", "name the file of the recording"));
-            }
+        let recording = match &raw.recording {
+            Some(path) => Some(self.existing(&field.key("recording"), path)?),
             None => None,
         };
         let name = self.name_of(field);

@@ -1,17 +1,28 @@
 //! What the sources of one simulation share: the world, what devices were told, and what cameras saw.
 
+use super::{SimulationError, hearing, voices};
+use crate::acoustics::Shoebox;
 use crate::render::Sight;
+use crate::voice::Speech;
 use crate::world::{Controls, UnknownDevice, World};
 use hearsight_core::camera::Camera;
 use hearsight_core::command::DeviceCommand;
 use std::collections::VecDeque;
-use std::sync::{Mutex, MutexGuard, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 
 /// Frames of each camera whose truth is kept until somebody asks for it; beyond them the oldest are forgotten.
 const MOST_FRAMES: usize = 4096;
+/// Rate of the speech that mouths go by where nobody listens, samples a second.
+const RATE_WITHOUT_ARRAY_HZ: u32 = 16_000;
 
 pub(super) struct Shared {
     pub(super) world: World,
+    /// What each person says, at the rate of the first array.
+    pub(super) speech: Vec<Arc<Speech>>,
+    /// The room as sound meets it.
+    pub(super) room: Shoebox,
+    /// Level of each noise of the world, decibels relative to full scale.
+    pub(super) noise_levels_db: Vec<f64>,
     controls: RwLock<Controls>,
     sights: Vec<Mutex<VecDeque<Seen>>>,
 }
@@ -26,8 +37,19 @@ pub(super) struct Seen {
 }
 
 impl Shared {
-    pub(super) fn new(world: World) -> Result<Self, UnknownDevice> {
+    pub(super) fn new(mut world: World) -> Result<Self, SimulationError> {
+        let rate_hz = world.arrays.first().map_or(RATE_WITHOUT_ARRAY_HZ, |array| array.rate_hz);
+        let mut speech = Vec::new();
+        for person in &mut world.people {
+            let own = Arc::new(voices::speech(person, rate_hz)?);
+            person.speech = Some(Arc::new(voices::Mouth::new(person, Arc::clone(&own))));
+            speech.push(own);
+        }
+        let room = hearing::room(&world)?;
         Ok(Self {
+            noise_levels_db: hearing::noise_levels_db(&world, &room)?,
+            room,
+            speech,
             controls: RwLock::new(world.controls()?),
             sights: world.cameras.iter().map(|_| Mutex::default()).collect(),
             world,

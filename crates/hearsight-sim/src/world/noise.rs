@@ -26,12 +26,8 @@ pub enum NoiseKind {
     Street,
     /// Noise with equal power at all frequencies.
     White,
-    /// Noise with equal power in every octave.
-    Pink,
     /// Noise within one band.
     Band,
-    /// A recording, given by `file`.
-    Recording,
 }
 
 /// Where a sound comes from.
@@ -71,7 +67,7 @@ pub struct Noise {
     pub during: Vec<[f64; 2]>,
     /// Middle and width of a band, hertz.
     pub band_hz: [f64; 2],
-    /// A recording to be played.
+    /// A folder of recordings to be played instead.
     pub recording: Option<PathBuf>,
     /// What distinguishes it from others of its kind.
     pub seed: u64,

@@ -7,6 +7,7 @@ use super::gaze::Look;
 use super::gesture::Gesture;
 use super::motion::Motion;
 use super::setting::Looks;
+use crate::voice::TalkerKind;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -26,9 +27,9 @@ pub trait Speech: Send + Sync {
 pub struct VoiceSpec {
     /// Level one metre before the mouth while it sounds, decibels relative to full scale.
     pub level_db: f64,
-    /// Mean pitch of the built-in talker, hertz; drawn from the seed where not given.
-    pub pitch_hz: Option<f64>,
-    /// A file or a folder of recorded speech to be played instead.
+    /// Whose voice the built-in talker has.
+    pub kind: TalkerKind,
+    /// A folder of recorded speech to be played instead.
     pub recording: Option<PathBuf>,
     /// What distinguishes the built-in talkers.
     pub seed: u64,
