@@ -11,6 +11,7 @@ mod logging;
 mod overrides;
 mod progress;
 mod recording;
+mod reproduce;
 mod say;
 
 use clap::{Parser, Subcommand};
@@ -40,6 +41,8 @@ enum Command {
     Demo(commands::demo::Arguments),
     /// Judge tracks by the truth: CLEAR MOT, identity, HOTA, speech, calibration; table, JSON, HTML with plots.
     Evaluate(commands::evaluate::Arguments),
+    /// Run a paper's experiment again on simulated rooms and put its table beside ours.
+    Reproduce(commands::reproduce::Arguments),
     /// Print the JSON schema of a scene, of `room.toml`, or of a system's parameters.
     Schema(commands::schema::Arguments),
 }
@@ -53,6 +56,7 @@ fn main() -> ExitCode {
         Command::Simulate(arguments) => commands::simulate::run(&arguments),
         Command::Demo(arguments) => commands::demo::run(&arguments),
         Command::Evaluate(arguments) => commands::evaluate::run(&arguments),
+        Command::Reproduce(arguments) => commands::reproduce::run(&arguments),
         Command::Schema(arguments) => commands::schema::run(&arguments),
     };
     match result {

@@ -77,6 +77,35 @@ impl Bar {
     }
 }
 
+/// How many trials of an experiment are done, with the time left.
+pub(crate) struct Trials(Option<ProgressBar>);
+
+impl Trials {
+    /// A bar, or nothing where nobody would see it.
+    pub(crate) fn new(quiet: bool) -> Self {
+        if quiet || !std::io::stderr().is_terminal() {
+            return Self(None);
+        }
+        let style = ProgressStyle::with_template("{wide_bar} {pos} of {len} trials  {eta} left");
+        let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+        Self(Some(bars().add(ProgressBar::no_length().with_style(style))))
+    }
+
+    /// Shows how many are done.
+    pub(crate) fn show(&self, done: usize, all: usize) {
+        let Some(bar) = &self.0 else { return };
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+    }
+
+    /// Takes the bar away.
+    pub(crate) fn end(self) {
+        if let Some(bar) = self.0 {
+            bar.finish_and_clear();
+        }
+    }
+}
+
 /// Standard error for the log, which a bar must not cut through.
 #[derive(Clone, Copy)]
 pub(crate) struct Stderr;
