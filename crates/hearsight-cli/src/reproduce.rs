@@ -7,6 +7,7 @@
 //! To add an experiment: its own file, its test, and a line in [`EXPERIMENTS`].
 
 pub(crate) mod claim;
+pub(crate) mod observed;
 pub(crate) mod trials;
 
 use claim::Report;
