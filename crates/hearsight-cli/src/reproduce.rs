@@ -7,7 +7,9 @@
 //! To add an experiment: its own file, its test, and a line in [`EXPERIMENTS`].
 
 pub(crate) mod claim;
+pub(crate) mod lockstep;
 pub(crate) mod observed;
+mod stac;
 pub(crate) mod trials;
 
 use claim::Report;
@@ -15,7 +17,7 @@ use std::collections::BTreeMap;
 use trials::Results;
 
 /// Every experiment there is.
-pub(crate) const EXPERIMENTS: &[&Experiment] = &[];
+pub(crate) const EXPERIMENTS: &[&Experiment] = &[&stac::EXPERIMENT];
 
 /// How much of an experiment is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,0 +1,71 @@
+//! Variants of systems side by side on one simulation: each gets the same moments, so that differences are theirs alone,
+//! and the room is rendered once.
+
+use super::observed::Observed;
+use hearsight::core::record::{SCENE_SCHEMA_VERSION, Scene};
+use hearsight::core::source::Delivery;
+use hearsight::core::{Moment, Span};
+use hearsight::media::{Camera, Microphones, MomentOptions, MomentReader};
+use hearsight::sim::simulation::Simulation;
+use hearsight::systems::{System, build};
+use miette::{IntoDiagnostic, miette};
+use serde_json::Value;
+
+/// A system with parameters of its own.
+#[derive(Clone, Debug)]
+pub(crate) struct Variant {
+    /// Its name in tables.
+    pub(crate) name: &'static str,
+    /// Name of the system.
+    pub(crate) system: &'static str,
+    /// Its parameters.
+    pub(crate) parameters: Value,
+}
+
+/// Runs the variants over the whole simulation, and notes what each says of the picture of the first camera.
+pub(crate) fn observe(simulation: &Simulation, seed: u64, variants: &[Variant]) -> miette::Result<Vec<Observed>> {
+    let room = simulation.room();
+    let camera = room.cameras.first().ok_or_else(|| miette!("the scene has no camera"))?.name.clone();
+    let cameras = room.cameras.iter().enumerate().map(|(number, sensor)| Camera {
+        name: sensor.name.clone(),
+        source: Box::new(simulation.camera(number)),
+    });
+    let arrays = room.arrays.iter().enumerate().map(|(number, sensor)| {
+        Ok::<_, miette::Report>(Microphones {
+            name: sensor.name.clone(),
+            source: Box::new(simulation.array(number).into_diagnostic()?),
+        })
+    });
+    let arrays = arrays.collect::<miette::Result<Vec<_>>>()?;
+    let mut reader = MomentReader::new(cameras.collect(), arrays, MomentOptions::default()).into_diagnostic()?;
+    let mut systems = Vec::new();
+    for variant in variants {
+        systems.push(build(variant.system, &variant.parameters, &room, seed)?);
+    }
+    let interval_s = reader.tick().seconds();
+    let mut observed: Vec<Observed> = variants.iter().map(|_| Observed::new(interval_s)).collect();
+    let (mut moment, mut scene) = (Moment::default(), Scene::default());
+    while reader.read(&mut moment) == Delivery::Data {
+        if moment.tick >= simulation.ticks() {
+            break;
+        }
+        let truth = simulation.truth(moment.tick);
+        let apart = simulation.tick_time(moment.tick) - moment.time;
+        if apart.magnitude() > Span::from_seconds(0.25 * interval_s) {
+            return Err(miette!("tick {} is {} s from the truth's", moment.tick, apart.seconds()));
+        }
+        for (system, observed) in systems.iter_mut().zip(&mut observed) {
+            step(system.as_mut(), &moment, &mut scene);
+            observed.push(&camera, &scene, &truth);
+        }
+    }
+    Ok(observed)
+}
+
+fn step(system: &mut dyn System, moment: &Moment, scene: &mut Scene) {
+    scene.schema.clear();
+    scene.schema.push_str(SCENE_SCHEMA_VERSION);
+    scene.tick = moment.tick;
+    scene.time_s = moment.time.seconds();
+    system.step(moment, scene);
+}
