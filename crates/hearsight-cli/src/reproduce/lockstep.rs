@@ -40,7 +40,7 @@ pub(crate) fn observe(simulation: &Simulation, seed: u64, variants: &[Variant]) 
     let mut reader = MomentReader::new(cameras.collect(), arrays, MomentOptions::default()).into_diagnostic()?;
     let mut systems = Vec::new();
     for variant in variants {
-        systems.push(build(variant.system, &variant.parameters, &room, seed)?);
+        systems.push(build(variant.system, &variant.parameters, &room, seed).into_diagnostic()?);
     }
     let interval_s = reader.tick().seconds();
     let mut observed: Vec<Observed> = variants.iter().map(|_| Observed::new(interval_s)).collect();
