@@ -23,9 +23,18 @@ pub(crate) struct Variant {
 }
 
 /// Runs the variants over the whole simulation, and notes what each says of the picture of the first camera.
-pub(crate) fn observe(simulation: &Simulation, seed: u64, variants: &[Variant]) -> miette::Result<Vec<Observed>> {
+pub(crate) fn observe(
+    simulation: &Simulation,
+    seed: u64,
+    variants: &[Variant],
+) -> miette::Result<Vec<Observed>> {
     let room = simulation.room();
-    let camera = room.cameras.first().ok_or_else(|| miette!("the scene has no camera"))?.name.clone();
+    let camera = room
+        .cameras
+        .first()
+        .ok_or_else(|| miette!("the scene has no camera"))?
+        .name
+        .clone();
     let cameras = room.cameras.iter().enumerate().map(|(number, sensor)| Camera {
         name: sensor.name.clone(),
         source: Box::new(simulation.camera(number)),
@@ -37,7 +46,8 @@ pub(crate) fn observe(simulation: &Simulation, seed: u64, variants: &[Variant]) 
         })
     });
     let arrays = arrays.collect::<miette::Result<Vec<_>>>()?;
-    let mut reader = MomentReader::new(cameras.collect(), arrays, MomentOptions::default()).into_diagnostic()?;
+    let mut reader =
+        MomentReader::new(cameras.collect(), arrays, MomentOptions::default()).into_diagnostic()?;
     let mut systems = Vec::new();
     for variant in variants {
         systems.push(build(variant.system, &variant.parameters, &room, seed).into_diagnostic()?);
@@ -52,7 +62,11 @@ pub(crate) fn observe(simulation: &Simulation, seed: u64, variants: &[Variant]) 
         let truth = simulation.truth(moment.tick);
         let apart = simulation.tick_time(moment.tick) - moment.time;
         if apart.magnitude() > Span::from_seconds(0.25 * interval_s) {
-            return Err(miette!("tick {} is {} s from the truth's", moment.tick, apart.seconds()));
+            return Err(miette!(
+                "tick {} is {} s from the truth's",
+                moment.tick,
+                apart.seconds()
+            ));
         }
         for (system, observed) in systems.iter_mut().zip(&mut observed) {
             step(system.as_mut(), &moment, &mut scene);

@@ -36,8 +36,11 @@ const GATE_PX: f64 = 90.0;
 const HEAD_GATE_PX: f64 = 30.0;
 
 /// What is done against reverberation: name, onset filter, bands.
-const AGAINST_REVERBERATION: [(&str, bool, bool); 3] =
-    [("plain", false, false), ("onset", true, false), ("onset+bands", true, true)];
+const AGAINST_REVERBERATION: [(&str, bool, bool); 3] = [
+    ("plain", false, false),
+    ("onset", true, false),
+    ("onset+bands", true, true),
+];
 const AUDIO: [&str; 3] = ["audio plain", "audio onset", "audio onset+bands"];
 const BOTH: [&str; 3] = ["both plain", "both onset", "both onset+bands"];
 const VIDEO: &str = "video";
@@ -54,9 +57,19 @@ fn scenes(extent: Extent) -> Vec<(&'static str, u64)> {
 fn run(trial: &Trial) -> miette::Result<Measured> {
     let (file, text, short_s, variants) = if trial.scene == OCCLUSION {
         // The first walk behind the pillar and on.
-        ("stac-vo.toml", include_str!("../../../../scenes/stac-vo.toml"), 7.4, occlusion_variants())
+        (
+            "stac-vo.toml",
+            include_str!("../../../../scenes/stac-vo.toml"),
+            7.4,
+            occlusion_variants(),
+        )
     } else {
-        ("stac-sd.toml", include_str!("../../../../scenes/stac-sd.toml"), 12.0, dialogue_variants())
+        (
+            "stac-sd.toml",
+            include_str!("../../../../scenes/stac-sd.toml"),
+            12.0,
+            dialogue_variants(),
+        )
     };
     let mut overrides = vec![("seed".to_owned(), trial.seed.to_string())];
     if trial.quick {
@@ -67,7 +80,11 @@ fn run(trial: &Trial) -> miette::Result<Measured> {
     let observed = observe(&simulation, trial.seed, &variants)?;
     let mut measured = Measured::new();
     for (variant, observed) in variants.iter().zip(&observed) {
-        let metrics = if trial.scene == OCCLUSION { following(observed)? } else { speaking(observed)? };
+        let metrics = if trial.scene == OCCLUSION {
+            following(observed)?
+        } else {
+            speaking(observed)?
+        };
         measured.insert(variant.name.to_owned(), metrics);
     }
     Ok(measured)
@@ -106,7 +123,11 @@ fn as_in_the_paper(more: &[(&str, Value)]) -> Value {
 }
 
 fn variant(name: &'static str, parameters: Value) -> Variant {
-    Variant { name, system: EXPERIMENT.name, parameters }
+    Variant {
+        name,
+        system: EXPERIMENT.name,
+        parameters,
+    }
 }
 
 fn occlusion_variants() -> Vec<Variant> {
@@ -118,7 +139,10 @@ fn occlusion_variants() -> Vec<Variant> {
         variants.push(variant(BOTH[row], as_in_the_paper(&[("audio", audio)])));
     }
     variants.push(variant(VIDEO, as_in_the_paper(&[("modality", json!("video"))])));
-    variants.push(variant(PRINTED, as_in_the_paper(&[("printed_equation_8", json!(true))])));
+    variants.push(variant(
+        PRINTED,
+        as_in_the_paper(&[("printed_equation_8", json!(true))]),
+    ));
     variants.push(variant(OURS, json!({})));
     variants
 }
@@ -129,7 +153,11 @@ fn dialogue_variants() -> Vec<Variant> {
 
 fn judge(results: &Results) -> Report {
     Report {
-        tables: vec![table_1(results), table_of_occlusions(results), table_of_speakers(results)],
+        tables: vec![
+            table_1(results),
+            table_of_occlusions(results),
+            table_of_speakers(results),
+        ],
         claims: claims(results),
     }
 }
@@ -143,7 +171,15 @@ fn table_1(results: &Results) -> Table {
         }
         cells
     };
-    let columns = ["scene VO", "plain: paper", "ours", "onset: paper", "ours", "onset+bands: paper", "ours"];
+    let columns = [
+        "scene VO",
+        "plain: paper",
+        "ours",
+        "onset: paper",
+        "ours",
+        "onset+bands: paper",
+        "ours",
+    ];
     Table {
         title: "Table 1: mean error of the column, pixels (ours with its interval of 95 %)".to_owned(),
         columns: columns.map(str::to_owned).to_vec(),
@@ -159,7 +195,9 @@ fn table_of_occlusions(results: &Results) -> Table {
     let value = |name: &str, metric: &str| cell(&results.values(OCCLUSION, metric, name), 2);
     Table {
         title: "Scene VO: how the talker is followed past the pillar".to_owned(),
-        columns: ["variant", "error, px", "switches", "share with a track"].map(str::to_owned).to_vec(),
+        columns: ["variant", "error, px", "switches", "share with a track"]
+            .map(str::to_owned)
+            .to_vec(),
         rows: names
             .map(|name| {
                 let mut row = vec![name.to_owned()];
@@ -174,10 +212,22 @@ fn table_of_speakers(results: &Results) -> Table {
     let value = |name: &str, metric: &str| cell(&results.values(DIALOGUE, metric, name), 3);
     Table {
         title: "Scene SD: who speaks".to_owned(),
-        columns: ["variant", "right speaker, share of speech", "diarization error rate"].map(str::to_owned).to_vec(),
+        columns: [
+            "variant",
+            "right speaker, share of speech",
+            "diarization error rate",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
         rows: [BOTH[2], OURS]
             .into_iter()
-            .map(|name| vec![name.to_owned(), value(name, "right_speaker"), value(name, "diarization_error")])
+            .map(|name| {
+                vec![
+                    name.to_owned(),
+                    value(name, "right_speaker"),
+                    value(name, "diarization_error"),
+                ]
+            })
             .collect(),
     }
 }
@@ -185,52 +235,101 @@ fn table_of_speakers(results: &Results) -> Table {
 fn claims(results: &Results) -> Vec<Claim> {
     let errors = |pair: [&str; 2]| results.rows(OCCLUSION, "error_px", pair);
     let switches = |name: &str| results.values(OCCLUSION, "switches", name);
-    let said = |id: &'static str, text: &str, paper: Option<f64>| Statement { id, text: text.to_owned(), paper };
+    let said = |id: &'static str, text: &str, paper: Option<f64>| Statement {
+        id,
+        text: text.to_owned(),
+        paper,
+    };
     let ratio = |id, text, row: usize, paper| {
-        ratio_within(said(id, text, Some(paper)), &errors([BOTH[row], AUDIO[row]]), [0.0, 0.25])
+        ratio_within(
+            said(id, text, Some(paper)),
+            &errors([BOTH[row], AUDIO[row]]),
+            [0.0, 0.25],
+        )
     };
     vec![
         smaller(
-            said("audio-onset", "sound alone: the onset filter reduces the error (share of it)", Some(0.184)),
+            said(
+                "audio-onset",
+                "sound alone: the onset filter reduces the error (share of it)",
+                Some(0.184),
+            ),
             &errors([AUDIO[1], AUDIO[0]]),
         ),
         smaller(
-            said("audio-bands", "sound alone: bands reduce the error that the onset filter leaves", Some(0.342)),
+            said(
+                "audio-bands",
+                "sound alone: bands reduce the error that the onset filter leaves",
+                Some(0.342),
+            ),
             &errors([AUDIO[2], AUDIO[1]]),
         ),
         reduction(
-            said("audio-onset-size", "sound alone: the onset filter saves 10 to 30 %", Some(0.184)),
+            said(
+                "audio-onset-size",
+                "sound alone: the onset filter saves 10 to 30 %",
+                Some(0.184),
+            ),
             &errors([AUDIO[1], AUDIO[0]]),
             [0.10, 0.30],
         ),
         reduction(
-            said("audio-bands-size", "sound alone: onset filter and bands save 35 to 55 %", Some(0.463)),
+            said(
+                "audio-bands-size",
+                "sound alone: onset filter and bands save 35 to 55 %",
+                Some(0.463),
+            ),
             &errors([AUDIO[2], AUDIO[0]]),
             [0.35, 0.55],
         ),
         smaller(
-            said("both-onset", "with pictures: the onset filter reduces the error (share of it)", Some(0.121)),
+            said(
+                "both-onset",
+                "with pictures: the onset filter reduces the error (share of it)",
+                Some(0.121),
+            ),
             &errors([BOTH[1], BOTH[0]]),
         ),
         smaller(
-            said("both-bands", "with pictures: bands reduce the error that the onset filter leaves", Some(0.117)),
+            said(
+                "both-bands",
+                "with pictures: bands reduce the error that the onset filter leaves",
+                Some(0.117),
+            ),
             &errors([BOTH[2], BOTH[1]]),
         ),
         reduction(
-            said("both-onset-size", "with pictures: the onset filter saves 5 to 20 %", Some(0.121)),
+            said(
+                "both-onset-size",
+                "with pictures: the onset filter saves 5 to 20 %",
+                Some(0.121),
+            ),
             &errors([BOTH[1], BOTH[0]]),
             [0.05, 0.20],
         ),
         reduction(
-            said("both-bands-size", "with pictures: onset filter and bands save 12 to 32 %", Some(0.224)),
+            said(
+                "both-bands-size",
+                "with pictures: onset filter and bands save 12 to 32 %",
+                Some(0.224),
+            ),
             &errors([BOTH[2], BOTH[0]]),
             [0.12, 0.32],
         ),
-        ratio("ratio-plain", "error with pictures over error of sound alone below 0.25, plain", 0, 0.156),
+        ratio(
+            "ratio-plain",
+            "error with pictures over error of sound alone below 0.25, plain",
+            0,
+            0.156,
+        ),
         ratio("ratio-onset", "the same with the onset filter", 1, 0.168),
         ratio("ratio-bands", "the same with onset filter and bands", 2, 0.226),
         mean_within(
-            said("video-switches", "pictures alone: at least one switch of identity at each occlusion", None),
+            said(
+                "video-switches",
+                "pictures alone: at least one switch of identity at each occlusion",
+                None,
+            ),
             &results.values(OCCLUSION, "switches", VIDEO),
             [1.0, f64::INFINITY],
         ),
@@ -240,17 +339,29 @@ fn claims(results: &Results) -> Vec<Claim> {
             [0.0, 0.0],
         ),
         mean_within(
-            said("both-switches", "sound and pictures: no switch of identity", Some(0.0)),
+            said(
+                "both-switches",
+                "sound and pictures: no switch of identity",
+                Some(0.0),
+            ),
             &switches(BOTH[2]),
             [0.0, 0.0],
         ),
         mean_within(
-            said("right-speaker", "of two who talk in turns the right one is marked for 90 % of their speech", None),
+            said(
+                "right-speaker",
+                "of two who talk in turns the right one is marked for 90 % of their speech",
+                None,
+            ),
             &results.values(DIALOGUE, "right_speaker", BOTH[2]),
             [0.9, 1.0],
         ),
         smaller(
-            said("printed-fails", "with eq. 8 as printed the error is larger than with pictures alone", None),
+            said(
+                "printed-fails",
+                "with eq. 8 as printed the error is larger than with pictures alone",
+                None,
+            ),
             &errors([VIDEO, PRINTED]),
         ),
     ]
@@ -262,7 +373,8 @@ mod tests {
 
     #[test]
     fn every_variant_is_a_system_that_can_be_built_and_has_its_own_name() {
-        let world = scenario::from_text("vo", include_str!("../../../../scenes/stac-vo.toml"), &Vec::new()).unwrap();
+        let world =
+            scenario::from_text("vo", include_str!("../../../../scenes/stac-vo.toml"), &Vec::new()).unwrap();
         let room = Simulation::new(world).unwrap().room();
         let variants: Vec<Variant> = occlusion_variants();
         for (place, variant) in variants.iter().enumerate() {

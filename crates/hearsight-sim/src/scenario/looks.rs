@@ -5,8 +5,8 @@ use super::raw::{RawPerson, RawVoice};
 use super::resolve::Resolver;
 use super::surroundings::{pick, vivid};
 use crate::acoustics::random::{Generator, between, generator, normal};
-use crate::world::{Colour, Hair, Looks, Material, Pattern, VoiceSpec, Wear};
 use crate::voice::TalkerKind;
+use crate::world::{Colour, Hair, Looks, Material, Pattern, VoiceSpec, Wear};
 use hearsight_core::configuration::{ConfigurationError, Field};
 use rand::Rng;
 
@@ -120,7 +120,8 @@ impl Resolver {
         &self,
         field: &Field,
         raw: &RawVoice,
-        height_m: f64, seed: u64,
+        height_m: f64,
+        seed: u64,
     ) -> Result<VoiceSpec, ConfigurationError> {
         let drawn = if height_m < CHILD_M {
             TalkerKind::Child

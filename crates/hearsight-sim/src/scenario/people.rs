@@ -68,7 +68,8 @@ impl Resolver {
                 voice: self.voice(
                     &field.key("voice"),
                     &raw.person[number].voice,
-                    draft.looks.height_m, derive(draft.seed, "voice", 0),
+                    draft.looks.height_m,
+                    derive(draft.seed, "voice", 0),
                 )?,
                 speech: None,
                 looks: draft.looks,

@@ -67,10 +67,7 @@ impl Resolver {
             }
         };
         if place == NoisePlace::Diffuse {
-            if !matches!(
-                kind,
-                NoiseKind::Fan | NoiseKind::Street | NoiseKind::White
-            ) {
+            if !matches!(kind, NoiseKind::Fan | NoiseKind::Street | NoiseKind::White) {
                 let cure =
                     "give its place, `at = [x, y, z]`; fans, streets and white noise may be everywhere";
                 return Err(self.wrong(

@@ -7,6 +7,7 @@
 mod array;
 mod camera;
 mod hearing;
+mod room;
 mod room_file;
 mod shared;
 mod truth;

@@ -38,7 +38,10 @@ pub(super) struct Seen {
 
 impl Shared {
     pub(super) fn new(mut world: World) -> Result<Self, SimulationError> {
-        let rate_hz = world.arrays.first().map_or(RATE_WITHOUT_ARRAY_HZ, |array| array.rate_hz);
+        let rate_hz = world
+            .arrays
+            .first()
+            .map_or(RATE_WITHOUT_ARRAY_HZ, |array| array.rate_hz);
         let mut speech = Vec::new();
         for person in &mut world.people {
             let own = Arc::new(voices::speech(person, rate_hz)?);

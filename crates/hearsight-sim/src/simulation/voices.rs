@@ -28,7 +28,9 @@ pub(super) fn speech(person: &Person, rate_hz: u32) -> Result<voice::Speech, Aco
 pub(super) fn noise(noise: &Noise, rate_hz: u32) -> Result<Arc<dyn Sound>, AcousticsError> {
     if let Some(folder) = &noise.recording {
         let turns = turns(&noise.during);
-        return Ok(Arc::new(voice::RecordedVoice::open(folder, rate_hz)?.speak(&turns, 0, noise.seed)?));
+        return Ok(Arc::new(
+            voice::RecordedVoice::open(folder, rate_hz)?.speak(&turns, 0, noise.seed)?,
+        ));
     }
     let kind = match noise.kind {
         NoiseKind::Fan | NoiseKind::Motor => voice::NoiseKind::Fan,
@@ -50,7 +52,12 @@ pub(super) fn noise(noise: &Noise, rate_hz: u32) -> Result<Arc<dyn Sound>, Acous
             }
         }
     };
-    Ok(Arc::new(voice::Noise::new(kind, &noise.during, rate_hz, noise.seed)?))
+    Ok(Arc::new(voice::Noise::new(
+        kind,
+        &noise.during,
+        rate_hz,
+        noise.seed,
+    )?))
 }
 
 fn turns(spans: &[[f64; 2]]) -> Vec<voice::Turn> {
@@ -80,11 +87,17 @@ impl Mouth {
             let energies = (0..frames).map(|frame| {
                 let first = ((from + frame as f64 * FRAME_S) * rate).round() as i64;
                 speech.fill(first, &mut samples);
-                samples.iter().map(|sample| f64::from(*sample).powi(2)).sum::<f64>()
+                samples
+                    .iter()
+                    .map(|sample| f64::from(*sample).powi(2))
+                    .sum::<f64>()
             });
             turns.push((*from, energies.collect::<Vec<f64>>()));
         }
-        let mut all: Vec<f64> = turns.iter().flat_map(|(_, energies)| energies.iter().copied()).collect();
+        let mut all: Vec<f64> = turns
+            .iter()
+            .flat_map(|(_, energies)| energies.iter().copied())
+            .collect();
         all.sort_by(f64::total_cmp);
         let loud = all.get(all.len() * 19 / 20).copied().unwrap_or(0.0);
         let floor = loud * 10.0_f64.powf(SILENT_DB / 10.0);
@@ -94,7 +107,10 @@ impl Mouth {
             sounds
         };
         Self {
-            turns: turns.into_iter().map(|(from, energies)| (from, sounds(energies))).collect(),
+            turns: turns
+                .into_iter()
+                .map(|(from, energies)| (from, sounds(energies)))
+                .collect(),
             speech,
         }
     }
