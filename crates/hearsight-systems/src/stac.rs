@@ -7,7 +7,7 @@
 mod limits;
 mod parameters;
 
-pub use parameters::{Likelihood, Parameters};
+pub use parameters::{Likelihood, Modality, Parameters};
 
 use crate::{SystemError, SystemInfo, parallel};
 use hearsight_core::finite::is_finite;
@@ -15,12 +15,12 @@ use hearsight_core::record::{
     BoxRecord, SCENE_SCHEMA_VERSION, Scene, SoundRecord, TrackPhase, TrackRecord, ViewRecord,
 };
 use hearsight_core::room::Room;
-use hearsight_core::{Instant, Moment, Span};
+use hearsight_core::{Instant, Moment, Rectangle, Span};
 use hearsight_tracking::body::{HeadBox, Part};
 use hearsight_tracking::cues::{ColourCue, Cue, MotionCue, SoundCue};
 use hearsight_tracking::fusion::{Calibration, Product, Term};
 use hearsight_tracking::percepts::{ArrayPercepts, ArrayState, CameraPercepts, CameraState};
-use hearsight_tracking::proposals::{DetectedProposal, RandomWalkProposal};
+use hearsight_tracking::proposals::{AnywhereProposal, DetectedProposal, RandomWalkProposal};
 use hearsight_tracking::sound_map::SoundMap;
 use hearsight_tracking::stage::Stage;
 use hearsight_tracking::system::{StateError, System};
@@ -46,6 +46,9 @@ struct View {
     seen: CameraPercepts,
     heard: Option<ArrayPercepts>,
     tracker: ViewTracker,
+    /// The head that is followed by sound alone, but for its column.
+    alone: Option<Rectangle>,
+    width_px: f32,
     map: Option<SoundMap>,
     strip: Vec<f32>,
     frame: u64,
@@ -108,7 +111,12 @@ fn build(parameters: &Value, room: &Room, seed: u64) -> Result<Box<dyn System>, 
 
 fn build_view(parameters: &Parameters, room: &Room, camera: usize, seed: u64) -> Result<View, SystemError> {
     let sensor = &room.cameras[camera];
-    let paired = room.arrays.iter().position(|array| array.camera == Some(camera));
+    let paired = match parameters.modality {
+        Modality::Video => None,
+        Modality::AudioVisual | Modality::Audio => {
+            room.arrays.iter().position(|array| array.camera == Some(camera))
+        }
+    };
     let array = paired.map(|index| (index, room.arrays[index].name.clone()));
     let heard = paired
         .map(|index| ArrayPercepts::new(parameters.audio, &room.arrays[index], room.speed_of_sound_m_s))
@@ -118,9 +126,18 @@ fn build_view(parameters: &Parameters, room: &Room, camera: usize, seed: u64) ->
         (Some(heard), Some(calibration)) => Some(SoundMap::new(calibration, heard)),
         _ => None,
     };
+    let body = HeadBox::new(parameters.body, sensor.calibration);
+    let alone = match parameters.modality {
+        Modality::Audio => Some(head_to_hear(&body, room, camera, heard.is_some())?),
+        Modality::AudioVisual | Modality::Video => None,
+    };
     let composition = Composition {
-        body: Box::new(HeadBox::new(parameters.body, sensor.calibration)),
-        stages: stages(parameters)?,
+        body: Box::new(body),
+        stages: match parameters.modality {
+            Modality::Audio => stages_of_sound(parameters, sensor.width as f64)?,
+            Modality::AudioVisual | Modality::Video => stages(parameters)?,
+        },
+        momentum: parameters.momentum,
         particles: parameters.particles,
         seed,
         role: format!("stac {}", sensor.name),
@@ -140,6 +157,8 @@ fn build_view(parameters: &Parameters, room: &Room, camera: usize, seed: u64) ->
         seen: CameraPercepts::new(parameters.vision.clone()).map_err(wrong)?,
         heard,
         tracker: ViewTracker::new(composition),
+        alone,
+        width_px: sensor.width as f32,
         map,
         strip: Vec::new(),
         frame: 0,
@@ -147,6 +166,61 @@ fn build_view(parameters: &Parameters, room: &Room, camera: usize, seed: u64) ->
         listened: Duration::ZERO,
         tracked: Duration::ZERO,
     })
+}
+
+/// The head that is followed by sound alone, in the middle of the picture.
+fn head_to_hear(
+    body: &HeadBox,
+    room: &Room,
+    camera: usize,
+    has_array: bool,
+) -> Result<Rectangle, SystemError> {
+    let sensor = &room.cameras[camera];
+    let (x, y) = (
+        0.5 * sensor.width as f64,
+        SoundMap::HEAD_ROW * sensor.height as f64,
+    );
+    let head = body.at_range(x as f32, y as f32, SoundMap::NOMINAL_RANGE_M);
+    head.filter(|_| has_array).ok_or_else(|| SystemError::Room {
+        system: INFO.name,
+        reason: format!(
+            "modality audio follows a column of camera {} by sound; give the camera a calibration and pair an array \
+             with it by camera = \"{}\"",
+            sensor.name, sensor.name
+        ),
+    })
+}
+
+/// The same filter with the sound's likelihood alone.
+fn stages_of_sound(parameters: &Parameters, width_px: f64) -> Result<Vec<Stage>, SystemError> {
+    Ok(vec![
+        Stage::Propose(Box::new(
+            RandomWalkProposal::new(&parameters.transition).map_err(wrong)?,
+        )),
+        Stage::Propose(Box::new(AnywhereProposal::new(parameters.anywhere, width_px))),
+        Stage::Weigh {
+            cues: vec![Box::new(SoundCue)],
+            fusion: Box::new(Product::new(vec![sound_term(parameters)])),
+            hidden: parameters.hidden,
+        },
+        Stage::Resample {
+            scheme: parameters.resampling,
+            below: 1.0,
+        },
+    ])
+}
+
+fn sound_term(parameters: &Parameters) -> Term {
+    let sigma = parameters.sound.sigma;
+    Term {
+        calibration: if parameters.printed_equation_8 {
+            Calibration::PrintedCorrelation { sigma }
+        } else {
+            Calibration::Correlation { sigma }
+        },
+        floor: parameters.sound.floor,
+        exponent: parameters.sound.exponent,
+    }
 }
 
 /// Propose, weigh, resample: the bootstrap filter of eqs. 1-6 and 13, resampling at every step.
@@ -181,13 +255,11 @@ fn stages(parameters: &Parameters) -> Result<Vec<Stage>, SystemError> {
         Calibration::Likelihood,
         &parameters.motion,
     );
-    let sigma = parameters.sound.sigma;
-    let sound = if parameters.printed_equation_8 {
-        Calibration::PrintedCorrelation { sigma }
-    } else {
-        Calibration::Correlation { sigma }
-    };
-    add(Box::new(SoundCue), sound, &parameters.sound);
+    add(
+        Box::new(SoundCue),
+        sound_term(parameters).calibration,
+        &parameters.sound,
+    );
     Ok(vec![
         Stage::Propose(Box::new(
             RandomWalkProposal::new(&parameters.transition).map_err(wrong)?,
@@ -230,13 +302,21 @@ impl View {
         self.listened += listened - start;
         let frame = moment.video.get(self.camera).and_then(|frame| frame.get());
         if let Some(frame) = frame {
-            self.seen.see(frame);
+            if self.alone.is_none() {
+                self.seen.see(frame);
+            }
             self.frame = frame.number;
         }
         let looked = Clock::now();
         self.looked += looked - listened;
         if let Some(frame) = frame {
-            self.tracker.see(&self.seen, self.heard.as_ref(), frame.time)?;
+            match (&self.alone, &self.heard) {
+                (Some(head), Some(heard)) => {
+                    self.tracker
+                        .follow_sound(&self.seen, heard, head, self.width_px, frame.time)?;
+                }
+                _ => self.tracker.see(&self.seen, self.heard.as_ref(), frame.time)?,
+            }
         }
         if let Some(heard) = &self.heard {
             self.tracker.hear(heard, elapsed);
@@ -306,8 +386,12 @@ impl System for Stac {
         // the views are left as they are.
         let _ = parallel::each(&mut self.views, |view| view.step(moment, elapsed));
         for view in &mut self.views {
-            view.tracker
-                .publish(&view.seen, moment.time, &mut self.next_identity);
+            if view.alone.is_some() {
+                view.tracker.publish_all(&mut self.next_identity);
+            } else {
+                view.tracker
+                    .publish(&view.seen, moment.time, &mut self.next_identity);
+            }
         }
         scene.schema.clear();
         scene.schema.push_str(SCENE_SCHEMA_VERSION);

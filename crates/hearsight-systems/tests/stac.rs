@@ -287,6 +287,56 @@ fn the_one_who_speaks_is_marked() {
 }
 
 #[test]
+fn by_sound_alone_one_track_follows_the_talker() {
+    let mut system = build("stac", &json!({ "modality": "audio" }), &room(true), 1).unwrap();
+    let scenes = run(system.as_mut(), 0..300, true);
+    assert!(
+        scenes[..50].iter().all(|scene| scene.tracks.is_empty()),
+        "silence"
+    );
+    let mut errors: Vec<f64> = (110..200)
+        .chain(225..300)
+        .map(|tick| {
+            let talker = &two(tick)[usize::from(tick >= 200)];
+            assert_eq!(scenes[tick].tracks.len(), 1);
+            nearest(&scenes[tick], talker.x).unwrap().1
+        })
+        .collect();
+    errors.sort_by(f64::total_cmp);
+    let median = errors[errors.len() / 2];
+    assert!(median < 10.0, "{median} px");
+}
+
+#[test]
+fn with_pictures_alone_nobody_is_said_to_speak_and_sound_alone_needs_sound() {
+    let video = json!({ "modality": "video" });
+    let mut system = build("stac", &video, &room(true), 1).unwrap();
+    let scenes = run(system.as_mut(), 0..120, true);
+    let last = &scenes[119];
+    assert_eq!(last.tracks.len(), 2);
+    assert!(last.speaker.is_none() && last.nobody_probability.is_none() && last.sounds.is_empty());
+    let error = build("stac", &json!({ "modality": "audio" }), &room(false), 1)
+        .err()
+        .unwrap();
+    assert!(error.to_string().contains("pair an array"), "{error}");
+}
+
+#[test]
+fn a_saved_run_by_sound_alone_goes_on_with_the_same_bytes() {
+    let audio = json!({ "modality": "audio" });
+    let mut whole = build("stac", &audio, &room(true), 5).unwrap();
+    let expected = run(whole.as_mut(), 0..130, true);
+    let mut first = build("stac", &audio, &room(true), 5).unwrap();
+    run(first.as_mut(), 0..90, true);
+    let mut second = build("stac", &audio, &room(true), 5).unwrap();
+    second.restore(&first.save().unwrap()).unwrap();
+    let rest = run(second.as_mut(), 90..130, true);
+    let bytes = |scenes: &[Scene]| serde_json::to_string(scenes).unwrap();
+    assert_eq!(bytes(&rest), bytes(&expected[90..]));
+    assert_eq!(expected[129].tracks.len(), 1);
+}
+
+#[test]
 fn a_saved_run_goes_on_with_the_same_bytes() {
     let mut whole = build("stac", &json!({}), &room(true), 5).unwrap();
     let expected = run(whole.as_mut(), 0..160, true);

@@ -46,6 +46,8 @@ pub struct Belief {
     pub stirred_s: f64,
     /// Weighted mean of the particles, as a head box in the picture.
     pub head: Rectangle,
+    /// How the head's centre moves (x, y), pixels a second.
+    pub velocity_px_s: [f32; 2],
     /// Standard deviation of the head's centre (x, y), pixels.
     pub deviation: [f32; 2],
     /// Effective number of particles before the last resampling.

@@ -11,6 +11,7 @@ pub mod body;
 pub mod cues;
 pub mod fusion;
 pub mod life_cycle;
+pub mod momentum;
 pub mod percepts;
 pub mod proposals;
 pub mod sound_map;

@@ -1,6 +1,6 @@
 //! From delays to columns of a picture, for people to look at and for estimates by sound alone.
 //!
-//! A delay is a surface in the room, not a column: the map takes sounds at the height of the picture's middle row and
+//! A delay is a surface in the room, not a column: the map takes sounds at the row where heads usually are and
 //! at a nominal range (method sheet, notes for several people).
 
 use crate::percepts::ArrayPercepts;
@@ -14,21 +14,25 @@ pub struct SoundMap {
     step_px: f64,
 }
 
-/// Range at which sounds are taken to be, metres: the middle of a room.
-const NOMINAL_RANGE_M: f64 = 2.5;
 /// Columns of the map.
 const COLUMNS: usize = 181;
 
 impl SoundMap {
+    /// Range at which sounds are taken to be, metres: the middle of a room.
+    pub const NOMINAL_RANGE_M: f64 = 2.5;
+    /// Row at which they are taken to be, as a share of the picture's height: a little above its middle, where cameras
+    /// are pointed so that they see people.
+    pub const HEAD_ROW: f64 = 0.4;
+
     /// The map of a camera for an array.
     pub fn new(camera: &Camera, array: &ArrayPercepts) -> Self {
         let step_px = camera.width as f64 / (COLUMNS - 1) as f64;
-        let row = 0.4 * camera.height as f64;
+        let row = Self::HEAD_ROW * camera.height as f64;
         let delays_s = (0..COLUMNS)
             .map(|column| {
                 camera
                     .ray(DistortedPixel::new(column as f64 * step_px - 0.5, row))
-                    .and_then(|ray| array.delay_s(ray.at(NOMINAL_RANGE_M)))
+                    .and_then(|ray| array.delay_s(ray.at(Self::NOMINAL_RANGE_M)))
                     .unwrap_or(f64::NAN)
             })
             .collect();

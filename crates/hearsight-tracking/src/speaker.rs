@@ -61,6 +61,9 @@ pub struct Voice {
     pub number: u64,
     /// Probability that there is a person at all, 0 to 1.
     pub existence: f64,
+    /// Whether it is a scout, which may be a part of somebody else: it is not thought of as beginning a turn, and
+    /// speaks only where an unseen talker was heard before.
+    pub scout: bool,
     /// Delay of the mouth, seconds, where known.
     pub delay_s: Option<f64>,
     /// Standard deviation of that delay by the spread of the belief, seconds.
@@ -84,6 +87,7 @@ struct Person {
     number: u64,
     probability: f64,
     existence: f64,
+    scout: bool,
     delay_s: Option<f64>,
     deviation_s: f64,
 }
@@ -127,6 +131,16 @@ impl Speaker {
             .iter()
             .find(|person| person.number == number)
             .map_or(0.0, |person| person.probability)
+    }
+
+    /// The probability that an unseen talker is at a delay, within its tolerance, 0 to 1.
+    pub fn unseen_near(&self, delay_s: f64, settings: &SpeakerSettings) -> f64 {
+        let reach_s = 3.0 * settings.tolerance_s;
+        let places = self.unseen.iter().enumerate();
+        places
+            .filter(|(index, _)| (self.delay_of(*index) - delay_s).abs() <= reach_s)
+            .map(|(_, probability)| probability)
+            .sum()
     }
 
     /// Where the talker is heard who is likeliest, seen or not, seconds.
@@ -227,6 +241,7 @@ impl Speaker {
                 number: voice.number,
                 probability: self.probability_of(voice.number),
                 existence: voice.existence.clamp(0.0, 1.0),
+                scout: voice.scout,
                 delay_s: voice.delay_s,
                 deviation_s: voice.deviation_s,
             };
@@ -254,10 +269,10 @@ impl Speaker {
         } else {
             settings.unseen.max(0.0)
         };
-        let weights = unseen + self.people.iter().map(|person| person.existence).sum::<f64>();
+        let weights = unseen + self.people.iter().map(Person::begins).sum::<f64>();
         let share = if weights > 0.0 { beginning / weights } else { 0.0 };
         for person in &mut self.people {
-            person.probability = (1.0 - ended) * person.probability + share * person.existence;
+            person.probability = (1.0 - ended) * person.probability + share * person.begins();
         }
         let each = share * unseen / self.unseen.len().max(1) as f64;
         for probability in &mut self.unseen {
@@ -372,6 +387,13 @@ impl Speaker {
     }
 }
 
+impl Person {
+    /// How likely this person is to begin a turn, against a track that surely exists.
+    fn begins(&self) -> f64 {
+        if self.scout { 0.0 } else { self.existence }
+    }
+}
+
 /// The places of a curve of `count` delays near a person's own, each with its weight: a Gaussian, 1 in the middle.
 fn near(
     person: &Person,
@@ -407,6 +429,7 @@ mod tests {
         Voice {
             number,
             existence: 1.0,
+            scout: false,
             delay_s: Some(delay_s),
             deviation_s: 0.0,
         }

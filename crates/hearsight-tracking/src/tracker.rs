@@ -3,6 +3,7 @@
 //! A step runs the system's stages for every belief and scout, then the life cycle over all of them, then decides who
 //! speaks. Saved state ([`ViewState`]) and scratch memory are apart.
 
+mod by_sound;
 mod restore;
 
 pub use restore::MOST_NUMBERED;
@@ -14,11 +15,12 @@ use crate::life_cycle::{
     Memory, ReEntrySettings, Situation, bodies, body_part_rate, covers, is_clear_of_edges, is_nearer,
     log_ratio, may_begin, may_publish, meet, same_place, settle, surroundings, weaker,
 };
+use crate::momentum::{self, MomentumSettings};
 use crate::percepts::{ArrayPercepts, CameraPercepts};
 use crate::speaker::{Speaker, SpeakerSettings, Voice, decide};
 use crate::stage::{self, Scratch, Sight, Stage};
 use hearsight_core::{Instant, Rectangle, Span};
-use hearsight_filter::{FilterError, Particles, generator};
+use hearsight_filter::{FilterError, Generator, Particles, generator};
 use hearsight_vision::histogram::Histogram;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -55,6 +57,8 @@ pub struct Composition {
     pub seed: u64,
     /// What distinguishes this view's random numbers from those of other views.
     pub role: String,
+    /// How people move on.
+    pub momentum: MomentumSettings,
     /// Which detection belongs to whom.
     pub association: AssociationSettings,
     /// Who becomes a track.
@@ -157,6 +161,9 @@ impl ViewTracker {
         let elapsed = self.state.last.map_or(Span::ZERO, |last| now - last);
         self.state.last = Some(now);
         self.gather_detections(camera);
+        for belief in &mut self.state.beliefs {
+            momentum::move_on(belief, elapsed, &self.composition.momentum)?;
+        }
         self.association.solve(
             &self.state.beliefs,
             &self.detections,
@@ -177,9 +184,9 @@ impl ViewTracker {
             self.composition.re_entry.torso,
             &self.composition.encounter,
         );
-        self.exclude(now, elapsed);
-        self.bury(now);
-        self.give_birth(camera, now)
+        self.exclude(elapsed);
+        self.bury();
+        self.give_birth(camera, array, now)
     }
 
     /// Listens: updates who speaks. To be called at every moment with sound, after [`ViewTracker::see`].
@@ -203,6 +210,7 @@ impl ViewTracker {
             self.voices.push(Voice {
                 number: belief.number,
                 existence: belief.existence.probability(),
+                scout: belief.identity.is_none(),
                 delay_s,
                 deviation_s,
             });
@@ -253,10 +261,10 @@ impl ViewTracker {
             if !(first_look || second_look) {
                 continue;
             }
-            let known = self
-                .state
-                .memory
-                .recognize(&belief.portrait, now, second_look, settings);
+            let known =
+                self.state
+                    .memory
+                    .recognize(&belief.portrait, belief.born, now, second_look, settings);
             belief.looks = belief.looks.saturating_add(u32::from(second_look));
             let again = known.is_none() && belief.looks < settings.looks;
             belief.unknown_since = again.then_some(now);
@@ -330,8 +338,17 @@ impl ViewTracker {
             covers: &self.covers,
             elapsed,
         };
+        let awaited = belief.head;
         self.quarantined += stage::run(&self.composition.stages, belief, &sight, &mut self.scratch)? as u64;
         summarize(belief, self.composition.body.as_ref());
+        let detection = own.map(|number| &self.detections[number]);
+        momentum::learn(
+            &mut belief.velocity_px_s,
+            &awaited,
+            detection,
+            elapsed,
+            &self.composition.momentum,
+        );
         Ok(())
     }
 
@@ -431,7 +448,7 @@ impl ViewTracker {
     }
 
     /// Lets beliefs die that are part of another's body, or at one place with a stronger one, for too long.
-    fn exclude(&mut self, now: Instant, elapsed: Span) {
+    fn exclude(&mut self, elapsed: Span) {
         let settings = self.composition.exclusion;
         let mut condemned = Vec::new();
         for place in 0..self.state.beliefs.len() {
@@ -470,13 +487,15 @@ impl ViewTracker {
                     .identity
                     .filter(|_| long && belief.merged_s > belief.body_part_s)
                 {
-                    self.state.memory.remember(identity, belief.portrait, now);
+                    self.state
+                        .memory
+                        .remember(identity, belief.portrait, belief.supported);
                 }
             }
         }
     }
 
-    fn bury(&mut self, now: Instant) {
+    fn bury(&mut self) {
         let least = self.composition.existence.least;
         while let Some(place) = self
             .state
@@ -489,23 +508,46 @@ impl ViewTracker {
             if let Some(identity) = belief.identity
                 && known_s >= self.composition.re_entry.least_s
             {
-                self.state.memory.remember(identity, belief.portrait, now);
+                self.state
+                    .memory
+                    .remember(identity, belief.portrait, belief.supported);
             }
         }
     }
 
+    /// Whether somebody who is not seen talks at the delay of a detection.
+    fn is_heard(&self, detection: &Rectangle, array: Option<&ArrayPercepts>) -> bool {
+        let mut state = [0.0; 4];
+        let body = self.composition.body.as_ref();
+        body.state_from_head(detection, &mut state);
+        array
+            .zip(body.sound_point(&state))
+            .and_then(|(array, point)| array.delay_s(point))
+            .is_some_and(|delay_s| {
+                let heard = self.state.speaker.unseen_near(delay_s, &self.composition.speaker);
+                heard >= self.composition.birth.talking
+            })
+    }
+
     /// Starts scouts on detections that belong to nobody.
-    fn give_birth(&mut self, camera: &CameraPercepts, now: Instant) -> Result<(), FilterError> {
+    fn give_birth(
+        &mut self,
+        camera: &CameraPercepts,
+        array: Option<&ArrayPercepts>,
+        now: Instant,
+    ) -> Result<(), FilterError> {
         for number in 0..self.detections.len() {
             let detection = self.detections[number];
             let settings = &self.composition.birth;
             let crowded = camera
                 .change_share(&surroundings(&detection))
                 .is_some_and(|share| share > settings.crowded);
+            // Where an unseen talker is heard, half a body at the edge of the picture is enough.
+            let doubtful = !is_clear_of_edges(&detection, camera.size().0, settings)
+                || camera.detections()[number].score < settings.score;
             if self.association.is_taken(number)
                 || (crowded && !self.faces[number])
-                || !is_clear_of_edges(&detection, camera.size().0, settings)
-                || camera.detections()[number].score < settings.score
+                || (doubtful && !self.is_heard(&detection, array))
                 || !may_begin(&detection, &self.state.beliefs, &self.composition.birth)
             {
                 continue;
@@ -525,31 +567,39 @@ impl ViewTracker {
                     appearance.learn(part, histogram, 1.0);
                 }
             }
-            self.state.beliefs.push(Belief {
-                number: belief_number,
-                identity: None,
-                particles,
-                generator: random,
-                appearance,
-                portrait: Portrait::default(),
-                encounter: None,
-                unknown_since: None,
-                looks: 0,
-                existence: Existence::even(),
-                occluded: false,
-                body_part_s: 0.0,
-                merged_s: 0.0,
-                born: now,
-                supported: now,
-                support: Span::ZERO,
-                stirred_s: 0.0,
-                head: detection,
-                deviation: [0.0; 2],
-                effective_sample_size: self.composition.particles as f64,
-                speaking: 0.0,
-            });
+            let mut belief = newborn(belief_number, particles, random, detection, now);
+            belief.appearance = appearance;
+            self.state.beliefs.push(belief);
         }
         Ok(())
+    }
+}
+
+/// A scout that has just begun.
+fn newborn(number: u64, particles: Particles, generator: Generator, head: Rectangle, now: Instant) -> Belief {
+    Belief {
+        number,
+        identity: None,
+        effective_sample_size: particles.count() as f64,
+        particles,
+        generator,
+        appearance: Appearance::default(),
+        portrait: Portrait::default(),
+        encounter: None,
+        unknown_since: None,
+        looks: 0,
+        existence: Existence::even(),
+        occluded: false,
+        body_part_s: 0.0,
+        merged_s: 0.0,
+        born: now,
+        supported: now,
+        support: Span::ZERO,
+        stirred_s: 0.0,
+        head,
+        velocity_px_s: [0.0; 2],
+        deviation: [0.0; 2],
+        speaking: 0.0,
     }
 }
 

@@ -21,6 +21,7 @@ const fn seconds(path: &'static str) -> Limit {
 }
 
 const LIMITS: &[Limit] = &[
+    share("anywhere"),
     ("particles", 1.0, 20_000.0),
     ("transition.position", 0.0, 100.0),
     ("transition.size", 0.0, 10.0),
@@ -106,6 +107,8 @@ const LIMITS: &[Limit] = &[
     ("audio.activity.independence_s", 0.001, 3600.0),
     ("audio.activity.mean_speech_s", 0.001, 3600.0),
     ("audio.activity.mean_pause_s", 0.001, 3600.0),
+    ("momentum.settle_s", 0.001, 3600.0),
+    ("momentum.keep_s", 0.001, 3600.0),
     ("association.position", 0.01, 100.0),
     ("association.size", 0.01, 100.0),
     ("association.colour", 0.001, 1000.0),
@@ -145,6 +148,7 @@ const LIMITS: &[Limit] = &[
     ("re_entry.remember_s", 0.0, 1e7),
     seconds("re_entry.least_s"),
     seconds("re_entry.second_look_s"),
+    seconds("re_entry.together_s"),
     ("re_entry.looks", 0.0, 1000.0),
     ("appearance.memory_s", 0.001, 3600.0),
     share("appearance.inside"),

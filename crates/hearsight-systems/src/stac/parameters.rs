@@ -7,6 +7,7 @@ use hearsight_tracking::life_cycle::{
     AssociationSettings, BirthSettings, EncounterSettings, ExclusionSettings, ExistenceSettings,
     ReEntrySettings,
 };
+use hearsight_tracking::momentum::MomentumSettings;
 use hearsight_tracking::percepts::{ArraySettings, CameraSettings};
 use hearsight_tracking::proposals::{DetectedSettings, RandomWalkSettings};
 use hearsight_tracking::speaker::SpeakerSettings;
@@ -34,10 +35,29 @@ fn yes() -> bool {
     true
 }
 
+/// What the system works with: the paper's experiments with one modality left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Modality {
+    /// Pictures, and sound where there is an array.
+    #[default]
+    AudioVisual,
+    /// Pictures alone: the array is not listened to, and nobody is said to speak.
+    Video,
+    /// Sound alone: pictures are not looked at. One belief is born from the first sound; only its column is estimated,
+    /// the rest of its head is a prior. Needs an array and a calibrated camera.
+    Audio,
+}
+
 /// All parameters, each with its default.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
+    /// What it works with. Default audio_visual. With `audio.onset_filter`, `audio.bands` and `audio.weighting` it makes
+    /// the rows of the paper's table 1.
+    pub modality: Modality,
+    /// Share of the particles that start anew at any column in a step, with modality audio, 0 to 1. Default 0.05.
+    pub anywhere: f32,
     /// Particles a person (N_p). Default 200. Raising it follows more surely and takes more time.
     pub particles: usize,
     /// How survivors are drawn. Default systematic.
@@ -72,6 +92,8 @@ pub struct Parameters {
     /// How sound is listened to.
     #[schemars(with = "Value")]
     pub audio: ArraySettings,
+    /// How people move on. Not in the paper; `momentum.enabled = false` is its system.
+    pub momentum: MomentumSettings,
     /// Which detection belongs to whom.
     pub association: AssociationSettings,
     /// Who becomes a track.
@@ -99,6 +121,8 @@ impl Default for Parameters {
             exponent: 1.0,
         };
         Self {
+            modality: Modality::default(),
+            anywhere: 0.05,
             particles: 200,
             resampling: Resampling::Systematic,
             transition: RandomWalkSettings::default(),
@@ -113,6 +137,7 @@ impl Default for Parameters {
             printed_equation_8: false,
             vision: CameraSettings::default(),
             audio: ArraySettings::default(),
+            momentum: MomentumSettings::default(),
             association: AssociationSettings::default(),
             birth: BirthSettings::default(),
             existence: ExistenceSettings::default(),

@@ -39,6 +39,9 @@ impl Default for HeadBoxSettings {
     }
 }
 
+/// Height of a head over its width, as in anthropometric tables (0.23 m to 0.18 m and less).
+const HEIGHT_OVER_WIDTH: f32 = 1.3;
+
 /// The box of a head in one camera.
 #[derive(Clone, Debug)]
 pub struct HeadBox {
@@ -53,6 +56,26 @@ impl HeadBox {
     /// A body seen by `camera`; without calibration it has no sound points.
     pub fn new(settings: HeadBoxSettings, camera: Option<Camera>) -> Self {
         Self { settings, camera }
+    }
+
+    /// A head at a place of the picture and at a range, as the camera would see it; `None` without calibration, or where
+    /// the camera does not look. The height is searched for, whatever the lens.
+    pub fn at_range(&self, x: f32, y: f32, range_m: f64) -> Option<Rectangle> {
+        let camera = self.camera.as_ref()?;
+        let (mut low, mut high) = (1.0_f32, camera.height as f32);
+        for _ in 0..30 {
+            let height = 0.5 * (low + high);
+            let seen_m = self
+                .mouth(x, y, height)
+                .map(|mouth| mouth.distance_m(camera.pose.centre()));
+            match seen_m {
+                Some(seen_m) if seen_m > range_m => low = height,
+                _ => high = height,
+            }
+        }
+        let height = 0.5 * (low + high);
+        let known = self.mouth(x, y, height).is_some();
+        known.then(|| Rectangle::from_centre(x, y, height / HEIGHT_OVER_WIDTH, height))
     }
 
     fn part(&self, x: f32, y: f32, width: f32, height: f32, part: Part) -> Rectangle {

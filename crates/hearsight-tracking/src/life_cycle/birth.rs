@@ -26,7 +26,8 @@ pub struct BirthSettings {
     /// Longest wait for the torso, seconds. Default 0.8.
     pub patience_s: f64,
     /// Probability of speaking from which a scout is published at once, as soon as it is likelier than not that there
-    /// is a person, 0 to 1. Default 0.5. Shadows and shoulders do not talk.
+    /// is a person, and that an unseen talker at the place of a detection must have for it to start a scout in spite of
+    /// `score` and `margin`, 0 to 1. Default 0.5. Shadows and shoulders do not talk.
     pub talking: f64,
     /// Least score of a detection that starts a scout. Default 0.45.
     pub score: f32,

@@ -36,6 +36,9 @@ pub struct ReEntrySettings {
     pub least_s: f64,
     /// Somebody unknown is looked at again after this time, when more of them has been seen, seconds. Default 0.8.
     pub second_look_s: f64,
+    /// Nobody is in two places: whoever was still seen for this long while the newcomer was there is not the newcomer,
+    /// seconds. Default 1, in which a track may have outlived the person.
+    pub together_s: f64,
     /// Looks after the first one, each `second_look_s` after the one before. Default 3.
     pub looks: u32,
 }
@@ -56,6 +59,7 @@ impl Default for ReEntrySettings {
             remember_s: 600.0,
             least_s: 1.0,
             second_look_s: 0.8,
+            together_s: 1.0,
             looks: 3,
         }
     }
@@ -116,10 +120,11 @@ impl Memory {
         }
     }
 
-    /// Who of those who left this is, if anybody; they are no longer gone then.
+    /// Who of those who left this is, if anybody; they are no longer gone then. `born` is when the newcomer was first seen.
     pub fn recognize(
         &mut self,
         portrait: &Portrait,
+        born: Instant,
         now: Instant,
         second_look: bool,
         settings: &ReEntrySettings,
@@ -132,6 +137,9 @@ impl Memory {
         let mut best: Option<(usize, f32)> = None;
         let mut next = f32::INFINITY;
         for (place, gone) in self.gone.iter().enumerate() {
+            if (gone.left - born).seconds() > settings.together_s {
+                continue;
+            }
             let Some(distance) = gone.portrait.mean().distance(portrait.mean(), settings.torso) else {
                 continue;
             };
@@ -154,5 +162,25 @@ impl Memory {
             let gone = self.gone.remove(place);
             (gone.identity, gone.portrait)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::Part;
+    use hearsight_vision::histogram::Histogram;
+
+    #[test]
+    fn whoever_was_seen_beside_somebody_is_not_them() {
+        let mut portrait = Portrait::default();
+        portrait.add(Part::Torso, &Histogram::new(vec![0.5, 0.5]).unwrap());
+        let at = |seconds: f64| Instant::ZERO + hearsight_core::Span::from_seconds(seconds);
+        let settings = ReEntrySettings::default();
+        let mut memory = Memory::default();
+        memory.remember(7, portrait.clone(), at(10.0));
+        let mut known = |born| memory.recognize(&portrait, at(born), at(12.0), true, &settings);
+        assert!(known(8.0).is_none(), "two seconds together");
+        assert!(known(9.5).is_some_and(|(identity, _)| identity == 7));
     }
 }

@@ -1,8 +1,10 @@
 //! Proposals: where hypotheses are drawn from. To add one: its own file, its test, one line here.
 
+mod anywhere;
 mod detected;
 mod random_walk;
 
+pub use anywhere::AnywhereProposal;
 pub use detected::{DetectedProposal, DetectedSettings};
 pub use random_walk::{RandomWalkProposal, RandomWalkSettings};
 
