@@ -14,7 +14,7 @@ use hearsight_core::finite::is_finite;
 use hearsight_core::record::{
     BoxRecord, SCENE_SCHEMA_VERSION, Scene, SoundRecord, TrackPhase, TrackRecord, ViewRecord,
 };
-use hearsight_core::room::{ArraySensor, Room};
+use hearsight_core::room::Room;
 use hearsight_core::{Instant, Moment, Rectangle, Span};
 use hearsight_tracking::body::{HeadBox, Part};
 use hearsight_tracking::cues::{ColourCue, Cue, MotionCue, SoundCue};
@@ -145,8 +145,7 @@ fn build_view(parameters: &Parameters, room: &Room, camera: usize, seed: u64) ->
     let paired = match parameters.modality {
         Modality::Video => None,
         Modality::AudioVisual | Modality::Audio => {
-            let of_view = |array: &ArraySensor| array.camera == Some(camera) && is_placed(array);
-            room.arrays.iter().position(of_view)
+            room.arrays.iter().position(|array| array.camera == Some(camera))
         }
     };
     let array = paired.map(|index| (index, room.arrays[index].name.clone()));
