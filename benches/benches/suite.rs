@@ -25,6 +25,11 @@ fn sounds(bencher: Bencher<'_, '_>, name: &str) {
     run(bencher, name);
 }
 
+#[divan::bench(args = Kernel::names(Topic::Rooms))]
+fn rooms(bencher: Bencher<'_, '_>, name: &str) {
+    run(bencher, name);
+}
+
 #[divan::bench(args = Kernel::names(Topic::States))]
 fn states(bencher: Bencher<'_, '_>, name: &str) {
     run(bencher, name);

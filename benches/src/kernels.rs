@@ -2,6 +2,7 @@
 
 mod faces;
 mod pictures;
+mod rooms;
 mod sounds;
 mod states;
 
@@ -20,6 +21,8 @@ pub enum Topic {
     Faces,
     /// Samples.
     Sounds,
+    /// Simulated rooms.
+    Rooms,
     /// Particles.
     States,
 }
@@ -84,6 +87,10 @@ kernels! {
     Faces "windows_alt2" = faces::windows, "200 single windows of 20 to 80 pixels; stages passed in all.";
     Sounds "phat_8192" = sounds::phase_transform, "GCC-PHAT of a pair, 4096 samples padded to 8192; the delay.";
     Sounds "bands" = sounds::bands, "A frame of a pair at 12 kHz in three bands that must agree; the delay.";
+    Rooms "room_response" = |_| rooms::response(), "An impulse response of order 66 from nothing; its energy.";
+    Rooms "room_response_again" = |_| rooms::another(), "The same where the images are listed; its energy.";
+    Rooms "meeting_16k" = |_| rooms::meeting(16_000), "A second of three walkers at eight microphones; its energy.";
+    Rooms "meeting_44k" = |_| rooms::meeting(44_100), "The same at 44.1 kHz; its energy.";
     States "particle_step" = states::step, "1000 particles, six dimensions: predict, weigh, resample; the mean.";
 }
 
@@ -110,8 +117,8 @@ mod tests {
                 "{}: {first:?}",
                 kernel.name
             );
-            // These two remember what they did before.
-            if !["particle_step", "background"].contains(&kernel.name) {
+            // These remember what they did before.
+            if !["particle_step", "background", "meeting_16k", "meeting_44k"].contains(&kernel.name) {
                 assert_eq!(first, second, "{}", kernel.name);
             }
         }

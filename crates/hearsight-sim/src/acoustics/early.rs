@@ -9,7 +9,9 @@ use super::response::{NEAREST_M, Split};
 use super::room::BANDS;
 
 /// Images are looked through anew after so many metres of movement.
-const MARGIN_M: f64 = 0.5;
+const MARGIN_M: f64 = 0.25;
+/// How far a source may go while its sound is on the way to a microphone, metres.
+const RESERVE_M: f64 = 0.5;
 
 /// The images of one source that one microphone hears one by one.
 #[derive(Clone, Debug, Default)]
@@ -21,6 +23,8 @@ pub(crate) struct EarlyLink {
     offset_m: Vec<[f64; 3]>,
     /// Travel, samples, at the end of the frame before.
     delay: Vec<f64>,
+    /// How much it grew in that frame: where it will be at the end of the next is known nearly.
+    growth: Vec<f64>,
     /// For each image and band.
     gain: Vec<f32>,
     amplitude: Vec<f32>,
@@ -29,7 +33,7 @@ pub(crate) struct EarlyLink {
     /// Whether delays and amplitudes are those of the end of the frame before.
     current: bool,
     /// Kept for choosing anew.
-    before: Vec<(u32, f64, [f32; BANDS])>,
+    before: Vec<(u32, [f64; 2], [f32; BANDS])>,
 }
 
 /// What all images of one array have in common.
@@ -53,6 +57,8 @@ pub(crate) struct EarlyFrame {
 }
 
 const DIRECT: u32 = u32::MAX;
+/// Rounds in which a delay is found from nothing.
+const ROUNDS: usize = 5;
 
 fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
@@ -76,7 +82,7 @@ impl EarlyLink {
         }
         self.choose(plan, emitter, frame);
         if !self.current {
-            self.update(plan, emitter, begin_s, &frame.microphone_m[0], 5);
+            self.update(plan, emitter, begin_s, &frame.microphone_m[0]);
             self.current = true;
         }
         let still = frame.microphone_m[0] == frame.microphone_m[1]
@@ -97,22 +103,20 @@ impl EarlyLink {
         }
         let start = begin_s * rate;
         let one_over = 1.0 / output.len() as f64;
-        let mut image = 0;
-        while image < self.delay.len() {
-            let mirror = usize::from(self.mirror[image]);
-            let moved = self.moved(plan, emitter, end_s, &frame.microphone_m[1], image, mirror, 2);
-            let slope = frame.slope - (moved.0 - self.delay[image]) * one_over;
+        for image in 0..self.delay.len() {
+            let (before, guess) = (self.delay[image], self.delay[image] + self.growth[image]);
+            let (delay, amplitude) =
+                self.moved(plan, emitter, end_s, &frame.microphone_m[1], image, guess, 1);
+            let slope = frame.slope - (delay - before) * one_over;
             for (band, branches) in emitter.branches.iter().enumerate() {
-                let amplitude = &mut self.amplitude[image * plan.bands + band];
-                let next = moved.1 * self.gain[image * plan.bands + band];
-                if *amplitude != 0.0 || next != 0.0 {
-                    let step = (next - *amplitude) * one_over as f32;
-                    branches.read(start - self.delay[image], slope, *amplitude, step, output);
+                let place = image * plan.bands + band;
+                let (from, to) = (self.amplitude[place], amplitude * self.gain[place]);
+                if from != 0.0 || to != 0.0 {
+                    branches.read(start - before, slope, from, (to - from) * one_over as f32, output);
                 }
-                *amplitude = next;
+                self.amplitude[place] = to;
             }
-            self.delay[image] = moved.0;
-            image += 1;
+            (self.delay[image], self.growth[image]) = (delay, delay - before);
         }
     }
 
@@ -122,30 +126,18 @@ impl EarlyLink {
     }
 
     /// Delays and amplitudes at a time.
-    fn update(
-        &mut self,
-        plan: &EarlyPlan,
-        emitter: &Emitter,
-        time_s: f64,
-        microphone_m: &[f64; 3],
-        rounds: usize,
-    ) {
-        let now = emitter.track.position(time_s);
+    fn update(&mut self, plan: &EarlyPlan, emitter: &Emitter, time_s: f64, microphone_m: &[f64; 3]) {
         for image in 0..self.delay.len() {
-            let mirror = usize::from(self.mirror[image]);
-            let sign = &plan.lattice.mirrors[mirror].sign;
-            let place = [0, 1, 2].map(|axis| sign[axis] * now[axis] + self.offset_m[image][axis]);
-            self.delay[image] = distance(&place, microphone_m) / plan.speed_m_s * f64::from(plan.rate_hz);
-            let (delay, amplitude) = self.moved(plan, emitter, time_s, microphone_m, image, mirror, rounds);
-            self.delay[image] = delay;
+            let (delay, amplitude) = self.moved(plan, emitter, time_s, microphone_m, image, 0.0, ROUNDS);
+            (self.delay[image], self.growth[image]) = (delay, 0.0);
             for band in 0..plan.bands {
                 self.amplitude[image * plan.bands + band] = amplitude * self.gain[image * plan.bands + band];
             }
         }
     }
 
-    /// Delay (samples) and amplitude without reflections of an image at a time. From the last delay, each round comes
-    /// nearer to the true one by the ratio of the speed of sound to the source's.
+    /// Delay (samples) and amplitude without reflections of an image at a time. From a guess of the delay, each round
+    /// comes nearer to the true one by the ratio of the speed of sound to the source's.
     #[inline]
     fn moved(
         &self,
@@ -154,30 +146,38 @@ impl EarlyLink {
         time_s: f64,
         microphone_m: &[f64; 3],
         image: usize,
-        mirror: usize,
+        guess: f64,
         rounds: usize,
     ) -> (f64, f32) {
-        let sign = &plan.lattice.mirrors[mirror].sign;
+        let sign = &plan.lattice.mirrors[usize::from(self.mirror[image])].sign;
         let offset = &self.offset_m[image];
-        let rate = f64::from(plan.rate_hz);
-        let (mut delay, mut away, mut metres) = (self.delay[image], [0.0; 3], 0.0);
+        let (seconds, samples_per_m) = (
+            1.0 / f64::from(plan.rate_hz),
+            f64::from(plan.rate_hz) / plan.speed_m_s,
+        );
+        let (mut delay, mut away, mut metres) = (guess, [0.0; 3], 0.0);
         for _ in 0..rounds {
-            let from = emitter.track.position(time_s - delay / rate);
-            away = [0, 1, 2].map(|axis| microphone_m[axis] - sign[axis] * from[axis] - offset[axis]);
+            let from = emitter.track.position(time_s - delay * seconds);
+            away = [
+                microphone_m[0] - sign[0] * from[0] - offset[0],
+                microphone_m[1] - sign[1] * from[1] - offset[1],
+                microphone_m[2] - sign[2] * from[2] - offset[2],
+            ];
             metres = (away[0] * away[0] + away[1] * away[1] + away[2] * away[2]).sqrt();
-            delay = metres * (rate / plan.speed_m_s);
+            delay = metres * samples_per_m;
         }
-        let early = if self.number[image] == DIRECT {
-            1.0
-        } else {
-            plan.split.early(metres)
-        };
+        let direct = self.number[image] == DIRECT;
+        if metres >= plan.split.late_m && !direct {
+            return (delay, 0.0);
+        }
+        let early = if direct { 1.0 } else { plan.split.early(metres) };
         let one_over = 1.0 / metres.max(NEAREST_M);
         let mut amplitude = early * one_over;
         let directivity = emitter.source.directivity;
-        if directivity.everywhere < 1.0 && amplitude > 0.0 {
-            let facing = emitter.track.facing(time_s - delay / rate);
-            let along: f64 = (0..3).map(|axis| sign[axis] * facing[axis] * away[axis]).sum();
+        if directivity.everywhere < 1.0 {
+            let facing = emitter.track.facing(time_s - delay * seconds);
+            let along =
+                sign[0] * facing[0] * away[0] + sign[1] * facing[1] * away[1] + sign[2] * facing[2] * away[2];
             amplitude *= directivity.gain(along * one_over);
         }
         (delay, amplitude as f32)
@@ -200,7 +200,8 @@ impl EarlyLink {
                 let mut amplitudes = [0.0; BANDS];
                 let own = &self.amplitude[image * plan.bands..(image + 1) * plan.bands];
                 amplitudes[..plan.bands].copy_from_slice(own);
-                self.before.push((*number, self.delay[image], amplitudes));
+                self.before
+                    .push((*number, [self.delay[image], self.growth[image]], amplitudes));
             }
         }
         self.mirror.clear();
@@ -210,7 +211,7 @@ impl EarlyLink {
         self.add(0, DIRECT, [0.0; 3], [1.0; BANDS].iter().take(plan.bands));
         let mut number = 0;
         // Twice the margin: movement until the next choice, and during the sound's travel.
-        let limit_m = plan.split.late_m + 2.0 * MARGIN_M + plan.reserve_s() * plan.speed_m_s;
+        let limit_m = plan.split.late_m + 2.0 * MARGIN_M + RESERVE_M;
         for (place, mirror) in plan.lattice.mirrors.iter().enumerate() {
             for image in 0..mirror.offset_m[0].len() {
                 let offset = [0, 1, 2].map(|axis| mirror.offset_m[axis][image]);
@@ -229,6 +230,8 @@ impl EarlyLink {
         let count = self.number.len();
         self.delay.clear();
         self.delay.resize(count, 0.0);
+        self.growth.clear();
+        self.growth.resize(count, 0.0);
         self.amplitude.clear();
         self.amplitude.resize(count * plan.bands, 0.0);
         if !self.current {
@@ -244,21 +247,16 @@ impl EarlyLink {
             {
                 old.next();
             }
-            let (delay, amplitudes) = match old.peek() {
-                Some(before) if before.0 == number => (before.1, before.2),
-                _ => {
+            let (delays, amplitudes) = match old.next_if(|before| before.0 == number) {
+                Some(before) => (before.1, before.2),
+                None => {
                     // Unheard until now: from where it is at the frame's begin.
-                    let mirror = usize::from(self.mirror[image]);
-                    let begin = frame.times_s[0];
-                    let (delay, _) =
-                        self.moved(plan, emitter, begin, &frame.microphone_m[0], image, mirror, 5);
-                    (delay, [0.0; BANDS])
+                    let (begin_s, ear) = (frame.times_s[0], &frame.microphone_m[0]);
+                    let (delay, _) = self.moved(plan, emitter, begin_s, ear, image, 0.0, ROUNDS);
+                    ([delay, 0.0], [0.0; BANDS])
                 }
             };
-            if old.peek().is_some_and(|before| before.0 == number) {
-                old.next();
-            }
-            self.delay[image] = delay;
+            [self.delay[image], self.growth[image]] = delays;
             self.amplitude[image * plan.bands..(image + 1) * plan.bands]
                 .copy_from_slice(&amplitudes[..plan.bands]);
         }
@@ -275,12 +273,12 @@ impl EarlyLink {
 impl EarlyPlan {
     /// Seconds of travel beyond the last early image, for movement meanwhile.
     pub(crate) fn reserve_s(&self) -> f64 {
-        4.0 * MARGIN_M / self.speed_m_s
+        RESERVE_M / self.speed_m_s
     }
 
     /// Samples of a source's past that are needed.
     pub(crate) fn reach(&self) -> i64 {
-        let seconds = self.split.late_m / self.speed_m_s + 3.0 * self.reserve_s();
+        let seconds = (self.split.late_m + 2.0 * MARGIN_M) / self.speed_m_s + 3.0 * self.reserve_s();
         (seconds * f64::from(self.rate_hz)).ceil() as i64
     }
 }

@@ -7,8 +7,10 @@ use super::response::unit;
 use super::room::Shoebox;
 use super::source::SoundSource;
 
-/// Seconds between two instants at which positions are asked for.
-pub(crate) const KEY_S: f64 = 0.01;
+/// Instants a second at which positions are asked for.
+const KEYS_PER_S: f64 = 100.0;
+/// Seconds between two of them.
+const KEY_S: f64 = 1.0 / KEYS_PER_S;
 /// What moves faster leaps, metres a second.
 const FASTEST_M_S: f64 = 50.0;
 
@@ -30,10 +32,20 @@ pub(crate) struct Track {
     still_since: i64,
 }
 
+#[inline]
+fn between(from: &[f64; 3], to: &[f64; 3], part: f64) -> [f64; 3] {
+    [
+        from[0] + part * (to[0] - from[0]),
+        from[1] + part * (to[1] - from[1]),
+        from[2] + part * (to[2] - from[2]),
+    ]
+}
+
 impl Track {
     /// The key before a time and the share of the way to the next.
+    #[inline]
     fn place(&self, time_s: f64) -> (usize, f64) {
-        let place = (time_s / KEY_S - self.first as f64).max(0.0);
+        let place = (time_s * KEYS_PER_S - self.first as f64).max(0.0);
         let index = (place as usize).min(self.keys.len().saturating_sub(2));
         (index, (place - index as f64).min(1.0))
     }
@@ -43,7 +55,7 @@ impl Track {
     pub(crate) fn position(&self, time_s: f64) -> [f64; 3] {
         let (index, part) = self.place(time_s);
         let (from, to) = (&self.keys[index].position_m, &self.keys[index + 1].position_m);
-        [0, 1, 2].map(|axis| from[axis] + part * (to[axis] - from[axis]))
+        between(from, to, part)
     }
 
     /// Where it faces; nearly of length 1.
@@ -51,12 +63,12 @@ impl Track {
     pub(crate) fn facing(&self, time_s: f64) -> [f64; 3] {
         let (index, part) = self.place(time_s);
         let (from, to) = (&self.keys[index].facing, &self.keys[index + 1].facing);
-        [0, 1, 2].map(|axis| from[axis] + part * (to[axis] - from[axis]))
+        between(from, to, part)
     }
 
     /// Whether nothing has changed from a time to the end of the stretch.
     pub(crate) fn still_from(&self, time_s: f64) -> bool {
-        (time_s / KEY_S).floor() as i64 >= self.still_since
+        (time_s * KEYS_PER_S).floor() as i64 >= self.still_since
     }
 
     /// How much of the source is heard at key `number`: 0 while it is away or leaps, else 1.
@@ -135,9 +147,9 @@ impl Emitter {
 
     /// Asks for positions from `from_s` to `to_s` and forgets earlier ones.
     pub(crate) fn follow(&mut self, room: &Shoebox, from_s: f64, to_s: f64) -> Result<(), AcousticsError> {
-        let first = (from_s / KEY_S).floor() as i64 - 2;
+        let first = (from_s * KEYS_PER_S).floor() as i64 - 2;
         // One key more than reached, to see whether the last one begins a leap.
-        let end = (to_s / KEY_S).ceil() as i64 + 3;
+        let end = (to_s * KEYS_PER_S).ceil() as i64 + 3;
         let track = &mut self.track;
         let known_end = track.first + track.keys.len() as i64;
         if track.keys.is_empty() || first < track.first || first >= known_end {

@@ -54,14 +54,29 @@ impl Lattice {
         let full_m = (reach.density_per_m * volume / (4.0 * PI))
             .sqrt()
             .min(reach.distance_m);
-        let cells = size.map(|side| ((full_m / side).ceil() as i64).min(i64::from(reach.order)));
-        for x in -cells[0]..=cells[0] {
-            for y in -cells[1]..=cells[1] {
-                for z in -cells[2]..=cells[2] {
-                    let cell = [x, y, z];
-                    let away_m = away_m(size, cell);
-                    if away_m <= full_m && cell != [0, 0, 0] && order(cell) <= i64::from(reach.order) {
-                        lattice.push(room, cell, 1.0);
+        let order_limit = i64::from(reach.order);
+        let cells = size.map(|side| ((full_m / side).ceil() as i64).min(order_limit));
+        // Everything that depends on one coordinate alone, once.
+        let axes: [Vec<Cell>; 3] = std::array::from_fn(|axis| {
+            (-cells[axis]..=cells[axis])
+                .map(|c| Cell::new(room, axis, c))
+                .collect()
+        });
+        let limit = full_m * full_m;
+        for x in &axes[0] {
+            for y in &axes[1] {
+                let (square, order) = (x.square + y.square, x.order + y.order);
+                if square > limit || order > order_limit {
+                    continue;
+                }
+                let mut pair = [0.0; BANDS];
+                for (band, pair) in pair.iter_mut().enumerate() {
+                    *pair = x.gain[band] * y.gain[band];
+                }
+                for z in &axes[2] {
+                    let order = order + z.order;
+                    if square + z.square <= limit && order <= order_limit && order > 0 {
+                        lattice.push(room, [x, y, z], &pair, 1.0);
                     }
                 }
             }
@@ -85,35 +100,32 @@ impl Lattice {
             let (z, angle) = (between(&mut random, -1.0, 1.0), between(&mut random, 0.0, TAU));
             let around = (1.0 - z * z).sqrt();
             let direction = [around * angle.cos(), around * angle.sin(), z];
-            let cell: [i64; 3] =
-                std::array::from_fn(|axis| (direction[axis] * distance / size[axis]).round() as i64);
-            if cell == [0, 0, 0] || order(cell) > i64::from(reach.order) {
+            let [x, y, z]: [Cell; 3] = std::array::from_fn(|axis| {
+                Cell::new(
+                    room,
+                    axis,
+                    (direction[axis] * distance / size[axis]).round() as i64,
+                )
+            });
+            let order = x.order + y.order + z.order;
+            if order == 0 || order > i64::from(reach.order) {
                 continue;
             }
             // It stands for as many images as there are where one was drawn.
             let stands_for = 4.0 * PI * distance * distance / (volume * reach.density_per_m);
-            self.push(room, cell, stands_for.sqrt());
+            let pair = std::array::from_fn(|band| x.gain[band] * y.gain[band]);
+            self.push(room, [&x, &y, &z], &pair, stands_for.sqrt());
         }
     }
 
-    fn push(&mut self, room: &Shoebox, cell: [i64; 3], louder: f64) {
-        let odd = cell.map(|c| c.rem_euclid(2) as usize);
-        let displacement = displacement(room, cell);
-        let mirror = &mut self.mirrors[odd[0] | odd[1] << 1 | odd[2] << 2];
+    fn push(&mut self, room: &Shoebox, cells: [&Cell; 3], pair: &[f64; BANDS], louder: f64) {
+        let displacement = displacement(room, cells.map(|cell| cell.cell));
+        let mirror = &mut self.mirrors[cells[0].odd | cells[1].odd << 1 | cells[2].odd << 2];
         for axis in 0..3 {
-            let side = room.settings().size_m[axis];
-            mirror.offset_m[axis].push((cell[axis] + odd[axis] as i64) as f64 * side + displacement[axis]);
+            mirror.offset_m[axis].push(cells[axis].offset_m + displacement[axis]);
         }
         for (band, gains) in mirror.gain.iter_mut().enumerate() {
-            let mut gain = louder;
-            for axis in 0..3 {
-                let hits = cell[axis].unsigned_abs() as i32;
-                // The first wall met is the one on the image's side.
-                let (first, second) = if cell[axis] > 0 { (1, 0) } else { (0, 1) };
-                let reflection = |wall: usize| room.reflection()[2 * axis + wall][band];
-                gain *= reflection(first).powi((hits + 1) / 2) * reflection(second).powi(hits / 2);
-            }
-            gains.push(gain as f32);
+            gains.push((louder * pair[band] * cells[2].gain[band]) as f32);
         }
     }
 
@@ -138,16 +150,40 @@ fn mirror(number: usize, bands: usize) -> Mirror {
     }
 }
 
-fn order(cell: [i64; 3]) -> i64 {
-    cell.iter().map(|c| c.abs()).sum()
+/// A coordinate of a cell of the lattice, and what follows from it alone.
+struct Cell {
+    cell: i64,
+    /// 1 where the axis is mirrored.
+    odd: usize,
+    offset_m: f64,
+    /// Reflections.
+    order: i64,
+    /// Square of the distance along the axis from the room's middle to its image.
+    square: f64,
+    /// What the reflections leave in each band.
+    gain: [f64; BANDS],
 }
 
-/// From the room's middle to the image of it.
-fn away_m(size: [f64; 3], cell: [i64; 3]) -> f64 {
-    (0..3)
-        .map(|axis| (cell[axis] as f64 * size[axis]).powi(2))
-        .sum::<f64>()
-        .sqrt()
+impl Cell {
+    fn new(room: &Shoebox, axis: usize, cell: i64) -> Self {
+        let side = room.settings().size_m[axis];
+        let odd = cell.rem_euclid(2);
+        let hits = cell.unsigned_abs() as i32;
+        // The first wall met is the one on the image's side.
+        let (first, second) = if cell > 0 { (1, 0) } else { (0, 1) };
+        let gain = std::array::from_fn(|band| {
+            let reflection = |wall: usize| room.reflection()[2 * axis + wall][band];
+            reflection(first).powi((hits + 1) / 2) * reflection(second).powi(hits / 2)
+        });
+        Self {
+            cell,
+            odd: odd as usize,
+            offset_m: (cell + odd) as f64 * side,
+            order: i64::from(hits),
+            square: (cell as f64 * side).powi(2),
+            gain,
+        }
+    }
 }
 
 /// Where the image is instead of its place in the lattice: always the same for one cell of one room.

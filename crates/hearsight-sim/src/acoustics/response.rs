@@ -370,19 +370,27 @@ fn correction(length: usize) -> Vec<f32> {
 
 /// For each bin b: value(0) + 2 sum over n of value(n) cos(n b angle), cosines by recurrence.
 fn cosine_sums(bins: usize, angle: f64, reach: usize, value: impl Fn(usize) -> f64) -> Vec<f64> {
+    /// Bins that go side by side: one alone would wait for its recurrence.
+    const LANES: usize = 16;
     let values: Vec<f64> = (0..=reach).map(value).collect();
-    (0..bins)
-        .map(|bin| {
-            let cosine = (angle * bin as f64).cos();
-            let (mut before, mut now) = (cosine, 1.0);
-            let mut sum = values[0];
-            for value in &values[1..] {
-                (before, now) = (now, 2.0 * cosine * now - before);
-                sum += 2.0 * value * now;
+    let mut sums = vec![0.0; bins];
+    for (block, sums) in sums.chunks_mut(LANES).enumerate() {
+        let twice: [f64; LANES] =
+            std::array::from_fn(|lane| 2.0 * (angle * (block * LANES + lane) as f64).cos());
+        let (mut before, mut now, mut all) =
+            (twice.map(|twice| 0.5 * twice), [1.0; LANES], [values[0]; LANES]);
+        for value in &values[1..] {
+            for lane in 0..LANES {
+                let next = twice[lane] * now[lane] - before[lane];
+                (before[lane], now[lane]) = (now[lane], next);
+                all[lane] += 2.0 * value * next;
             }
-            sum
-        })
-        .collect()
+        }
+        for (sum, all) in sums.iter_mut().zip(all) {
+            *sum = all;
+        }
+    }
+    sums
 }
 
 /// The least even length of at least `least` that transforms fast.
