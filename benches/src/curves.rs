@@ -5,6 +5,7 @@ use crate::rooms::{Dice, Sitting};
 use hearsight_core::{GrayView, Rectangle};
 use hearsight_sim::render::{Person, Picture, Range, Renderer, SensorNoise, Shot};
 use hearsight_vision::cascade::{Cascade, CascadeDetector, DetectOptions, Mirror};
+use rayon::prelude::*;
 use std::path::PathBuf;
 
 /// Where Debian's package opencv-data puts them.
@@ -78,33 +79,31 @@ pub fn sittings(people: usize, seed: u64) -> Vec<(Sitting, Picture)> {
 }
 
 fn sitting(number: usize, seed: u64) -> (Sitting, Picture) {
-    {
-        let mut dice = Dice::new(seed.wrapping_mul(1_000_003).wrapping_add(number as u64));
-        dice.bits();
-        // The golden ratio spreads the angles evenly, however many there are.
-        let yaw = 180.0 * (number as f64 * 0.618_033_988_749_895).fract() - 90.0;
-        let sitting = dice.sitting(yaw);
-        let mut picture = Picture::default();
-        let people = [Person {
-            looks: &sitting.looks,
-            opening: &sitting.posture,
-            closing: &sitting.posture,
-        }];
-        let shot = Shot {
-            view: 0,
-            frame: 0,
-            camera: &sitting.camera,
-            closing_pose: None,
-            people: &people,
-            lamps: &[],
-            exposure: sitting.exposure,
-            white_balance: [1.0; 3],
-            noise: SensorNoise::default(),
-            range: Range::Full,
-        };
-        Renderer::new(&sitting.setting, seed).render(&shot, &mut picture);
-        (sitting, picture)
-    }
+    let mut dice = Dice::new(seed.wrapping_mul(1_000_003).wrapping_add(number as u64));
+    dice.bits();
+    // The golden ratio spreads the angles evenly, however many there are.
+    let yaw = 180.0 * (number as f64 * 0.618_033_988_749_895).fract() - 90.0;
+    let sitting = dice.sitting(yaw);
+    let mut picture = Picture::default();
+    let people = [Person {
+        looks: &sitting.looks,
+        opening: &sitting.posture,
+        closing: &sitting.posture,
+    }];
+    let shot = Shot {
+        view: 0,
+        frame: 0,
+        camera: &sitting.camera,
+        closing_pose: None,
+        people: &people,
+        lamps: &[],
+        exposure: sitting.exposure,
+        white_balance: [1.0; 3],
+        noise: SensorNoise::default(),
+        range: Range::Full,
+    };
+    Renderer::new(&sitting.setting, seed).render(&shot, &mut picture);
+    (sitting, picture)
 }
 
 /// Measures the cascades on so many people.
@@ -122,33 +121,44 @@ pub fn curves(people: usize, seed: u64) -> Result<Curves, Failure> {
         };
         detectors.push(CascadeDetector::new(Cascade::load(&file)?, options)?);
     }
-    let mut found = Vec::new();
-    let mut wrong = [0.0; CASCADES.len()];
-    for number in 0..people {
-        let (sitting, picture) = sitting(number, seed);
-        let Some(view) = GrayView::new(picture.width, picture.height, &picture.luma) else {
-            continue;
-        };
-        let Some(head) = picture.sights.first().and_then(|sight| sight.head) else {
-            continue;
-        };
-        let mut hits = [false; CASCADES.len()];
-        for (which, detector) in detectors.iter_mut().enumerate() {
-            let of_body = CASCADES[which].2;
-            for detection in detector.detect(view) {
-                let hit = if of_body {
-                    holds(&detection.bounds, &head.whole)
-                } else {
-                    is_face(&detection.bounds, &head.whole)
-                };
-                hits[which] |= hit;
-                wrong[which] += f64::from(u8::from(!hit));
-            }
-        }
-        found.push((sitting.yaw_degrees, hits));
-    }
-    let false_boxes = wrong.map(|count| count / found.len().max(1) as f64);
+    let results: Vec<_> = (0..people)
+        .into_par_iter()
+        .map_with(detectors, |detectors, number| look(detectors, number, seed))
+        .collect();
+    let found: Vec<_> = results
+        .iter()
+        .flatten()
+        .map(|(yaw, hits, _)| (*yaw, *hits))
+        .collect();
+    let wrong = |which: usize| {
+        results
+            .iter()
+            .flatten()
+            .map(|(.., wrong)| wrong[which])
+            .sum::<u32>()
+    };
+    let false_boxes = std::array::from_fn(|which| f64::from(wrong(which)) / found.len().max(1) as f64);
     Ok(Curves { found, false_boxes })
+}
+
+/// The angle of one person, who of the detectors finds them, and how many boxes of nobody each gives.
+type Look = (f64, [bool; CASCADES.len()], [u32; CASCADES.len()]);
+
+fn look(detectors: &mut [CascadeDetector], number: usize, seed: u64) -> Option<Look> {
+    let (sitting, picture) = sitting(number, seed);
+    let view = GrayView::new(picture.width, picture.height, &picture.luma)?;
+    let head = picture.sights.first()?.head?;
+    let (mut hits, mut wrong) = ([false; CASCADES.len()], [0; CASCADES.len()]);
+    for (which, detector) in detectors.iter_mut().enumerate() {
+        let of_body = CASCADES[which].2;
+        for detection in detector.detect(view) {
+            let fits = if of_body { holds } else { is_face };
+            let hit = fits(&detection.bounds, &head.whole);
+            hits[which] |= hit;
+            wrong[which] += u32::from(!hit);
+        }
+    }
+    Some((sitting.yaw_degrees, hits, wrong))
 }
 
 /// Whether a box is a face of this head: its middle is within the head, and it is neither much larger nor smaller.

@@ -11,23 +11,24 @@ const LIMB_SIDES: usize = 12;
 
 /// Rings of the torso from the neck down: place between pelvis (0) and neck (1), half width and half depth over half
 /// the breadth of the shoulders. Proportions of an adult; width at the arm's root leaves room for the arm itself.
-const TORSO: [(f32, f32, f32); 13] = [
-    (1.08, 0.28, 0.28),
-    (1.04, 0.36, 0.33),
-    (1.00, 0.52, 0.38),
-    (0.95, 0.78, 0.42),
-    (0.88, 0.95, 0.48),
+const TORSO: [(f32, f32, f32); 14] = [
+    (1.10, 0.27, 0.27),
+    (1.07, 0.33, 0.32),
+    (1.03, 0.47, 0.37),
+    (0.99, 0.68, 0.42),
+    (0.945, 0.89, 0.45),
+    (0.88, 1.02, 0.49),
     (0.78, 1.00, 0.55),
-    (0.62, 0.94, 0.60),
-    (0.42, 0.84, 0.56),
-    (0.24, 0.80, 0.55),
-    (0.08, 0.87, 0.60),
-    (-0.06, 0.90, 0.64),
+    (0.62, 0.92, 0.60),
+    (0.42, 0.82, 0.56),
+    (0.24, 0.79, 0.55),
+    (0.08, 0.86, 0.60),
+    (-0.06, 0.89, 0.64),
     (-0.16, 0.84, 0.60),
     (-0.22, 0.60, 0.42),
 ];
 /// From this ring of the torso on it is trousers or skirt.
-const BELT: usize = 9;
+const BELT: usize = 10;
 
 /// Adds everything but the head to a mesh.
 pub(super) fn build(looks: &Looks, posture: &Posture, mesh: &mut Mesh) {
@@ -83,7 +84,11 @@ pub(super) fn build(looks: &Looks, posture: &Posture, mesh: &mut Mesh) {
             let bare = !looks.wear.long_sleeves && row >= 4;
             Cloth::of(if bare { Surface::Skin } else { Surface::Top })
         };
-        limb(mesh, arm, radii, forward, sleeve);
+        // The arm's root is the top of the shoulder; its round end lies below and further in.
+        let inwards = (neck - vector(arm.root)) - up * (neck - vector(arm.root)).dot(&up);
+        let inwards = inwards.try_normalize(1e-6).unwrap_or_else(Vector3::zeros);
+        let sunk = (inwards * 0.5 - up * 0.6) * radii[0];
+        limb(mesh, arm, radii, sunk, forward, sleeve);
         let (joint, end) = (vector(arm.joint), vector(arm.end));
         let along = (end - joint).try_normalize(1e-6).unwrap_or(-up);
         let palm = across(along, left);
@@ -102,7 +107,9 @@ pub(super) fn build(looks: &Looks, posture: &Posture, mesh: &mut Mesh) {
     }
     for leg in &posture.legs {
         let radii = [0.088, 0.058, 0.042].map(|radius: f32| radius * size * build.sqrt());
-        limb(mesh, leg, radii, forward, |_| Cloth::of(Surface::Bottom));
+        limb(mesh, leg, radii, Vector3::zeros(), forward, |_| {
+            Cloth::of(Surface::Bottom)
+        });
         let end = vector(leg.end);
         let toes = across(Vector3::z(), facing);
         let axes = [
@@ -124,10 +131,18 @@ fn skull_root(looks: &Looks) -> Vector3<f64> {
     Vector3::new(-0.12 * forward, 0.0, -0.55 * up)
 }
 
-/// A limb of two parts with round ends.
-fn limb(mesh: &mut Mesh, limb: &Limb, radii: [f32; 3], wish: Vector3<f32>, cloth: impl Fn(usize) -> Cloth) {
+/// A limb of two parts with round ends, the first of which is moved by `sunk`.
+fn limb(
+    mesh: &mut Mesh,
+    limb: &Limb,
+    radii: [f32; 3],
+    sunk: Vector3<f32>,
+    wish: Vector3<f32>,
+    cloth: impl Fn(usize) -> Cloth,
+) {
     let [root, joint, end] =
         [limb.root, limb.joint, limb.end].map(|point| point.0.coords.map(|coordinate| coordinate as f32));
+    let root = root + sunk;
     let direction = |from: Vector3<f32>, to: Vector3<f32>| {
         (to - from).try_normalize(1e-6).unwrap_or_else(|| -Vector3::z())
     };
@@ -136,8 +151,8 @@ fn limb(mesh: &mut Mesh, limb: &Limb, radii: [f32; 3], wish: Vector3<f32>, cloth
     let [thick, middle, thin] = radii;
     // Centre, direction and radius of each ring.
     let rings = [
-        (root - upper * (0.9 * thick), upper, 0.35 * thick),
-        (root - upper * (0.5 * thick), upper, 0.85 * thick),
+        (root - upper * (0.95 * thick), upper, 0.3 * thick),
+        (root - upper * (0.6 * thick), upper, 0.8 * thick),
         (root, upper, thick),
         (root.lerp(&joint, 0.4), upper, 0.5 * (thick + middle)),
         (root.lerp(&joint, 0.75), upper, 1.05 * middle),

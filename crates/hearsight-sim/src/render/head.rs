@@ -164,8 +164,8 @@ pub(super) fn build(looks: &Looks, features: &Features, mesh: &mut Mesh, jaw: &m
     for side in [1.0, -1.0] {
         let centre = Vector3::new(-0.06 * half[0], side * 0.985 * half[1], -0.06 * half[2]);
         let axes = [
-            Vector3::new(-0.2 * half[0], side * 0.1 * half[1], 0.28 * half[2]),
-            Vector3::new(0.13 * half[0], side * -0.05 * half[1], 0.05 * half[2]),
+            Vector3::new(-0.09 * half[0], side * 0.06 * half[1], 0.25 * half[2]),
+            Vector3::new(0.15 * half[0], side * -0.07 * half[1], 0.04 * half[2]),
             Vector3::new(0.03 * half[0], side * 0.07 * half[1], 0.0),
         ];
         mesh.ellipsoid(
