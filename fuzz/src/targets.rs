@@ -2,6 +2,7 @@
 
 mod calibration;
 mod cascade;
+mod flac;
 mod microphones;
 mod parameters;
 mod room;
@@ -52,6 +53,7 @@ pub const TARGETS: &[Target] = &[
     state::TARGET,
     saved_run::TARGET,
     wav::TARGET,
+    flac::TARGET,
 ];
 
 /// Texts as seeds.

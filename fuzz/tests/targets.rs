@@ -46,7 +46,7 @@ targets! {
     parameters
     state
     saved_run
-    wav
+    wav flac
 }
 
 #[test]

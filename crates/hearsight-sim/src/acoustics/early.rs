@@ -25,7 +25,7 @@ pub(crate) struct EarlyLink {
     delay: Vec<f64>,
     /// How much it grew in that frame: where it will be at the end of the next is known nearly.
     growth: Vec<f64>,
-    /// For each image and band.
+    /// For each image and mixture of bands.
     gain: Vec<f32>,
     amplitude: Vec<f32>,
     /// Where source and microphone were when the images were chosen.
@@ -42,7 +42,8 @@ pub(crate) struct EarlyPlan {
     pub(crate) split: Split,
     pub(crate) speed_m_s: f64,
     pub(crate) rate_hz: u32,
-    pub(crate) bands: usize,
+    /// Mixtures of bands in which images are heard.
+    pub(crate) mixtures: usize,
 }
 
 /// One frame of one microphone.
@@ -92,8 +93,8 @@ impl EarlyLink {
         if still {
             let start = begin_s * rate;
             for (image, delay) in self.delay.iter().enumerate() {
-                for (band, branches) in emitter.branches.iter().enumerate() {
-                    let amplitude = self.amplitude[image * plan.bands + band];
+                for (mixture, branches) in emitter.branches.iter().enumerate() {
+                    let amplitude = self.amplitude[image * plan.mixtures + mixture];
                     if amplitude != 0.0 {
                         branches.read(start - delay, frame.slope, amplitude, 0.0, output);
                     }
@@ -108,8 +109,8 @@ impl EarlyLink {
             let (delay, amplitude) =
                 self.moved(plan, emitter, end_s, &frame.microphone_m[1], image, guess, 1);
             let slope = frame.slope - (delay - before) * one_over;
-            for (band, branches) in emitter.branches.iter().enumerate() {
-                let place = image * plan.bands + band;
+            for (mixture, branches) in emitter.branches.iter().enumerate() {
+                let place = image * plan.mixtures + mixture;
                 let (from, to) = (self.amplitude[place], amplitude * self.gain[place]);
                 if from != 0.0 || to != 0.0 {
                     branches.read(start - before, slope, from, (to - from) * one_over as f32, output);
@@ -130,8 +131,9 @@ impl EarlyLink {
         for image in 0..self.delay.len() {
             let (delay, amplitude) = self.moved(plan, emitter, time_s, microphone_m, image, 0.0, ROUNDS);
             (self.delay[image], self.growth[image]) = (delay, 0.0);
-            for band in 0..plan.bands {
-                self.amplitude[image * plan.bands + band] = amplitude * self.gain[image * plan.bands + band];
+            for mixture in 0..plan.mixtures {
+                self.amplitude[image * plan.mixtures + mixture] =
+                    amplitude * self.gain[image * plan.mixtures + mixture];
             }
         }
     }
@@ -198,8 +200,8 @@ impl EarlyLink {
         if self.current {
             for (image, number) in self.number.iter().enumerate() {
                 let mut amplitudes = [0.0; BANDS];
-                let own = &self.amplitude[image * plan.bands..(image + 1) * plan.bands];
-                amplitudes[..plan.bands].copy_from_slice(own);
+                let own = &self.amplitude[image * plan.mixtures..(image + 1) * plan.mixtures];
+                amplitudes[..plan.mixtures].copy_from_slice(own);
                 self.before
                     .push((*number, [self.delay[image], self.growth[image]], amplitudes));
             }
@@ -208,7 +210,9 @@ impl EarlyLink {
         self.number.clear();
         self.offset_m.clear();
         self.gain.clear();
-        self.add(0, DIRECT, [0.0; 3], [1.0; BANDS].iter().take(plan.bands));
+        // In the first mixture, which is the signal itself.
+        let direct = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        self.add(0, DIRECT, [0.0; 3], direct.iter().take(plan.mixtures));
         let mut number = 0;
         // Twice the margin: movement until the next choice, and during the sound's travel.
         let limit_m = plan.split.late_m + 2.0 * MARGIN_M + RESERVE_M;
@@ -233,7 +237,7 @@ impl EarlyLink {
         self.growth.clear();
         self.growth.resize(count, 0.0);
         self.amplitude.clear();
-        self.amplitude.resize(count * plan.bands, 0.0);
+        self.amplitude.resize(count * plan.mixtures, 0.0);
         if !self.current {
             return;
         }
@@ -257,8 +261,8 @@ impl EarlyLink {
                 }
             };
             [self.delay[image], self.growth[image]] = delays;
-            self.amplitude[image * plan.bands..(image + 1) * plan.bands]
-                .copy_from_slice(&amplitudes[..plan.bands]);
+            self.amplitude[image * plan.mixtures..(image + 1) * plan.mixtures]
+                .copy_from_slice(&amplitudes[..plan.mixtures]);
         }
     }
 

@@ -1,6 +1,5 @@
 //! One source as all microphones of an array need it: where it was lately, and its signal ready to be read anywhere.
 
-use super::bands;
 use super::error::AcousticsError;
 use super::kernel::{Branches, HALF, TAPS, branch_filters, correlate_into};
 use super::response::unit;
@@ -101,11 +100,12 @@ pub(crate) struct Emitter {
     /// Samples with gain, from number `raw_first` on.
     raw: Vec<f32>,
     raw_first: i64,
-    /// One for each band.
+    /// One for each mixture of bands, of which the first is the signal itself.
     pub(crate) branches: Vec<Branches>,
-    band_filters: Vec<Vec<f32>>,
+    /// Taps of the others.
+    mixtures: Vec<Vec<f32>>,
     branch_filters: Vec<[f32; TAPS]>,
-    band_signal: Vec<f32>,
+    mixed: Vec<f32>,
     /// Number of the last sample that was not silent; far in the past where none was.
     last_loud: i64,
 }
@@ -114,30 +114,30 @@ pub(crate) struct Emitter {
 const LONG_AGO: i64 = i64::MIN / 2;
 
 impl Emitter {
-    pub(crate) fn new(source: SoundSource, room: &Shoebox, rate_hz: u32) -> Result<Self, AcousticsError> {
+    /// `mixtures`: the taps of each mixture of bands that is needed besides the signal itself, all of one odd length.
+    pub(crate) fn new(
+        source: SoundSource,
+        mixtures: Vec<Vec<f32>>,
+        rate_hz: u32,
+    ) -> Result<Self, AcousticsError> {
         source.check(rate_hz)?;
-        let band_filters = if room.is_banded() {
-            bands::filters(rate_hz).to_vec()
-        } else {
-            Vec::new()
-        };
         Ok(Self {
             gain: source.gain(),
             source,
             track: Track::default(),
             raw: Vec::new(),
             raw_first: LONG_AGO,
-            branches: vec![Branches::new(1); band_filters.len().max(1)],
-            band_filters,
+            branches: vec![Branches::new(1); 1 + mixtures.len()],
+            mixtures,
             branch_filters: branch_filters(),
-            band_signal: Vec::new(),
+            mixed: Vec::new(),
             last_loud: LONG_AGO,
         })
     }
 
     /// Samples on each side that a branch needs.
     fn margin(&self) -> i64 {
-        (HALF + self.band_filters.first().map_or(0, |filter| filter.len() / 2)) as i64
+        (HALF + self.mixtures.first().map_or(0, |taps| taps.len() / 2)) as i64
     }
 
     /// Whether something may be heard that was emitted at sample `from` or later, as far as is prepared.
@@ -223,14 +223,17 @@ impl Emitter {
             }
         }
         let count = (to - begin).max(0) as usize;
-        for (band, branches) in self.branches.iter_mut().enumerate() {
+        for (number, branches) in self.branches.iter_mut().enumerate() {
             branches.forget(from);
-            let signal = match self.band_filters.get(band) {
-                None => &self.raw[..count + 2 * HALF],
-                Some(filter) => {
-                    self.band_signal.resize(count + 2 * HALF, 0.0);
-                    correlate_into(&self.raw, filter, &mut self.band_signal);
-                    &self.band_signal
+            let signal = match number
+                .checked_sub(1)
+                .and_then(|mixture| self.mixtures.get(mixture))
+            {
+                None => &self.raw[(margin - HALF as i64) as usize..][..count + 2 * HALF],
+                Some(taps) => {
+                    self.mixed.resize(count + 2 * HALF, 0.0);
+                    correlate_into(&self.raw, taps, &mut self.mixed);
+                    &self.mixed
                 }
             };
             branches.append(&self.branch_filters, signal);
@@ -240,9 +243,7 @@ impl Emitter {
     /// Reads the signal itself at places that move evenly, as [`Branches::read`], into `output`.
     pub(crate) fn read_all(&self, start: f64, slope: f64, output: &mut [f32]) {
         output.fill(0.0);
-        for branches in &self.branches {
-            branches.read(start, slope, 1.0, 0.0, output);
-        }
+        self.branches[0].read(start, slope, 1.0, 0.0, output);
     }
 }
 
@@ -284,6 +285,10 @@ mod tests {
         walls: Walls,
     ) -> (Emitter, Shoebox) {
         let room = Shoebox::new(&ShoeboxSettings::new([6.0, 5.0, 3.0], walls)).unwrap();
+        // Twice the signal, three samples later.
+        let mut taps = vec![0.0; 401];
+        taps[197] = 2.0;
+        let mixtures = if room.is_banded() { vec![taps] } else { Vec::new() };
         let source = SoundSource {
             name: "one".to_owned(),
             path: Arc::new(move |time: f64| {
@@ -300,11 +305,11 @@ mod tests {
             directivity: Directivity::OMNIDIRECTIONAL,
             level_db: 0.0,
         };
-        (Emitter::new(source, &room, 16_000).unwrap(), room)
+        (Emitter::new(source, mixtures, 16_000).unwrap(), room)
     }
 
     #[test]
-    fn bands_add_up_to_the_signal() {
+    fn mixtures_begin_with_the_signal() {
         let (mut one, room) = emitter(|_| Some([1.0; 3]), Walls::BandT60([0.4; 6]));
         one.follow(&room, -0.1, 0.3).unwrap();
         one.prepare(1000, 3000, 16_000);

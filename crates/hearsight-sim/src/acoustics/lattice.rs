@@ -6,7 +6,9 @@
 
 use super::random::{Generator, between, generator, mix};
 use super::room::{BANDS, Shoebox};
+use nalgebra::{SMatrix, SVector};
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 /// Images that mirror alike: each is at sign x source + offset, from the room's corner.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,6 +25,8 @@ pub(crate) struct Mirror {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Lattice {
     pub(crate) mirrors: [Mirror; 8],
+    /// Where bands differ, for each band the images that are heard in it alone.
+    pub(crate) single: Vec<[Mirror; 8]>,
 }
 
 /// Which images to list.
@@ -36,10 +40,17 @@ pub(crate) struct Reach {
     pub(crate) density_per_m: f64,
 }
 
+/// Shares of drawn images that are heard in each band: fewer in narrow bands, which need fewer to be dense.
+const BAND_SHARES: [f64; BANDS] = [0.07, 0.08, 0.1, 0.15, 0.22, 0.38];
+
 impl Lattice {
     pub(crate) fn new(room: &Shoebox, reach: &Reach) -> Self {
+        let bands = if room.is_banded() { BANDS } else { 1 };
+        let single = if room.is_banded() { BANDS } else { 0 };
+        let mirrors = |bands: usize| std::array::from_fn(|number| mirror(number, bands));
         let mut lattice = Self {
-            mirrors: std::array::from_fn(|number| mirror(number, bands(room))),
+            mirrors: mirrors(bands),
+            single: vec![mirrors(1); single],
         };
         let size = room.settings().size_m;
         if room
@@ -76,7 +87,7 @@ impl Lattice {
                 for z in &axes[2] {
                     let order = order + z.order;
                     if square + z.square <= limit && order <= order_limit && order > 0 {
-                        lattice.push(room, [x, y, z], &pair, 1.0);
+                        push(room, &mut lattice.mirrors, [x, y, z], &pair, 0..bands, 1.0);
                     }
                 }
             }
@@ -114,30 +125,109 @@ impl Lattice {
             // It stands for as many images as there are where one was drawn.
             let stands_for = 4.0 * PI * distance * distance / (volume * reach.density_per_m);
             let pair = std::array::from_fn(|band| x.gain[band] * y.gain[band]);
-            self.push(room, [&x, &y, &z], &pair, stands_for.sqrt());
+            let cells = [&x, &y, &z];
+            if !room.is_banded() {
+                push(room, &mut self.mirrors, cells, &pair, 0..1, stands_for.sqrt());
+                continue;
+            }
+            // It is heard in one band: wide bands get as many more as they need.
+            let chance = between(&mut random, 0.0, 1.0);
+            let (mut chosen, mut reached) = (0, BAND_SHARES[0]);
+            while chance >= reached && chosen < BANDS - 1 {
+                chosen += 1;
+                reached += BAND_SHARES[chosen];
+            }
+            let louder = (stands_for / BAND_SHARES[chosen]).sqrt();
+            push(
+                room,
+                &mut self.single[chosen],
+                cells,
+                &pair,
+                chosen..chosen + 1,
+                louder,
+            );
         }
     }
 
-    fn push(&mut self, room: &Shoebox, cells: [&Cell; 3], pair: &[f64; BANDS], louder: f64) {
-        let displacement = displacement(room, cells.map(|cell| cell.cell));
-        let mirror = &mut self.mirrors[cells[0].odd | cells[1].odd << 1 | cells[2].odd << 2];
-        for axis in 0..3 {
-            mirror.offset_m[axis].push(cells[axis].offset_m + displacement[axis]);
+    /// Replaces the gains in bands by fewer: each image's gains become a sum of few mixtures of bands, the first of which
+    /// is all bands alike. Gives the mixtures; their number is the least with which no image's gains differ by more than
+    /// `tolerance` of their norm.
+    ///
+    /// Gains of bands fall together, if not equally; so two or three mixtures do what six bands would.
+    pub(crate) fn mix_bands(&mut self, tolerance: f64) -> Vec<[f64; BANDS]> {
+        let mut mixtures = vec![[1.0; BANDS]];
+        if self.mirrors[0].gain.len() == 1 {
+            return mixtures;
         }
-        for (band, gains) in mirror.gain.iter_mut().enumerate() {
-            gains.push((louder * pair[band] * cells[2].gain[band]) as f32);
+        let gains = |mirror: &Mirror, image: usize| -> SVector<f64, BANDS> {
+            SVector::from_fn(|band, _| f64::from(mirror.gain[band][image]))
+        };
+        // What is not alike in all bands, of each image as much as of the others.
+        let mut products = SMatrix::<f64, BANDS, BANDS>::zeros();
+        for mirror in &self.mirrors {
+            for image in 0..mirror.offset_m[0].len() {
+                let gains = gains(mirror, image);
+                let rest = gains.add_scalar(-gains.mean()) / gains.norm().max(1e-30);
+                products += rest * rest.transpose();
+            }
         }
+        let eigen = products.symmetric_eigen();
+        let mut order: Vec<usize> = (0..BANDS).collect();
+        order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+        for axis in order.into_iter().take(BANDS - 1) {
+            let worst = self.mirrors.iter().flat_map(|mirror| {
+                let mixtures = &mixtures;
+                (0..mirror.offset_m[0].len()).map(move |image| {
+                    let gains = gains(mirror, image);
+                    let mut rest = gains;
+                    for mixture in mixtures {
+                        let mixture = SVector::from(*mixture);
+                        rest -= mixture * (mixture.dot(&gains) / mixture.norm_squared());
+                    }
+                    rest.norm() / gains.norm().max(1e-30)
+                })
+            });
+            if worst.fold(0.0, f64::max) <= tolerance {
+                break;
+            }
+            mixtures.push(eigen.eigenvectors.column(axis).into_owned().into());
+        }
+        for mirror in &mut self.mirrors {
+            let mixed = mixtures.iter().map(|mixture| {
+                let mixture = SVector::from(*mixture);
+                (0..mirror.offset_m[0].len())
+                    .map(|image| (mixture.dot(&gains(mirror, image)) / mixture.norm_squared()) as f32)
+                    .collect()
+            });
+            mirror.gain = mixed.collect();
+        }
+        mixtures
     }
 
     /// How many images there are.
     pub(crate) fn len(&self) -> usize {
-        self.mirrors.iter().map(|mirror| mirror.offset_m[0].len()).sum()
+        let all = self.mirrors.iter().chain(self.single.iter().flatten());
+        all.map(|mirror| mirror.offset_m[0].len()).sum()
     }
 }
 
-/// Bands that must be told apart in a room.
-pub(crate) fn bands(room: &Shoebox) -> usize {
-    if room.is_banded() { BANDS } else { 1 }
+/// Appends an image with its gains in these bands.
+fn push(
+    room: &Shoebox,
+    mirrors: &mut [Mirror; 8],
+    cells: [&Cell; 3],
+    pair: &[f64; BANDS],
+    bands: Range<usize>,
+    louder: f64,
+) {
+    let displacement = displacement(room, cells.map(|cell| cell.cell));
+    let mirror = &mut mirrors[cells[0].odd | cells[1].odd << 1 | cells[2].odd << 2];
+    for axis in 0..3 {
+        mirror.offset_m[axis].push(cells[axis].offset_m + displacement[axis]);
+    }
+    for (gains, band) in mirror.gain.iter_mut().zip(bands) {
+        gains.push((louder * pair[band] * cells[2].gain[band]) as f32);
+    }
 }
 
 /// The signs of a mirror: bit a of its number says whether axis a is mirrored.
@@ -262,6 +352,41 @@ mod tests {
         };
         let wanted: usize = (1..=5).map(|n| 4 * n * n + 2).sum();
         assert_eq!(Lattice::new(&room, &reach).len(), wanted);
+    }
+
+    #[test]
+    fn few_mixtures_do_what_the_bands_do() {
+        let walls = Walls::BandT60([0.7, 0.65, 0.6, 0.5, 0.4, 0.35]);
+        let reach = Reach {
+            distance_m: 25.0,
+            order: u32::MAX,
+            density_per_m: f64::INFINITY,
+        };
+        let banded = Lattice::new(&room(walls, 0.07), &reach);
+        let mut mixed = banded.clone();
+        let mixtures = mixed.mix_bands(0.02);
+        println!("{} mixtures", mixtures.len());
+        assert!(mixtures.len() < BANDS);
+        for (banded, mixed) in banded.mirrors.iter().zip(&mixed.mirrors) {
+            for image in 0..banded.offset_m[0].len() {
+                for band in 0..BANDS {
+                    let wanted = f64::from(banded.gain[band][image]);
+                    let found: f64 = mixtures
+                        .iter()
+                        .zip(&mixed.gain)
+                        .map(|(mixture, gain)| mixture[band] * f64::from(gain[image]))
+                        .sum();
+                    let norm: f64 = banded
+                        .gain
+                        .iter()
+                        .map(|gain| f64::from(gain[image]).powi(2))
+                        .sum();
+                    assert!((found - wanted).abs() <= 0.02 * norm.sqrt());
+                }
+            }
+        }
+        let mut plain = Lattice::new(&room(Walls::T60(0.5), 0.07), &reach);
+        assert_eq!(plain.mix_bands(0.02), [[1.0; BANDS]]);
     }
 
     #[test]

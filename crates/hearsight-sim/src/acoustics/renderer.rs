@@ -4,16 +4,17 @@
 //! frames for the late reverberation. Both are counted from the start, whatever blocks are asked for, and every sum is
 //! taken in the order of sources: the same bytes for any size of blocks and any number of threads.
 
+use super::bands;
 use super::diffuse::{DiffuseField, DiffuseNoise};
 use super::early::{EarlyFrame, EarlyLink, EarlyPlan};
 use super::emitter::Emitter;
 use super::error::{AcousticsError, check};
-use super::lattice::{Lattice, Reach, bands};
+use super::lattice::{Lattice, Reach};
 use super::measured::MeasuredResponse;
 use super::microphones::{DeviceClock, Microphone, Placement};
 use super::random::{derive, generator, normal};
 use super::response::{Link, Split, Synthesis};
-use super::room::Shoebox;
+use super::room::{BANDS, Shoebox};
 use super::source::SoundSource;
 use super::tail::{Feed, Filter, LatePlan, TailEar, TailInput, TailPlan};
 use hearsight_core::{AudioBlock, Instant, WorldPoint};
@@ -26,6 +27,26 @@ const FRAMES: usize = 6;
 const TURN_COSINE: f64 = 0.94;
 /// Longest late reverberation unless asked for, seconds.
 const USUAL_LATE_S: f64 = 3.0;
+
+/// How far gains of early reflections in bands may be from those of the walls, a share of all bands together.
+const MIXED_WITHIN: f64 = 0.02;
+
+/// The taps of all mixtures of bands but the first, which is the signal itself.
+fn mixture_taps(mixtures: &[[f64; BANDS]], rate_hz: u32) -> Vec<Vec<f32>> {
+    if mixtures.len() < 2 {
+        return Vec::new();
+    }
+    let filters = bands::filters(rate_hz);
+    let mix = |mixture: &[f64; BANDS]| {
+        let tap = |at: usize| {
+            (0..BANDS)
+                .map(|band| mixture[band] * f64::from(filters[band][at]))
+                .sum::<f64>() as f32
+        };
+        (0..filters[0].len()).map(tap).collect()
+    };
+    mixtures[1..].iter().map(mix).collect()
+}
 
 /// How the sound of a room is made.
 #[derive(Clone, Debug, PartialEq)]
@@ -201,13 +222,16 @@ impl ArrayRenderer {
             order: u32::MAX,
             density_per_m: f64::INFINITY,
         };
+        let mut lattice = Lattice::new(room, &near);
+        let mixtures = lattice.mix_bands(MIXED_WITHIN);
         let early = EarlyPlan {
-            lattice: Lattice::new(room, &near),
+            lattice,
             split,
             speed_m_s,
             rate_hz,
-            bands: bands(room),
+            mixtures: mixtures.len(),
         };
+        let taps = mixture_taps(&mixtures, rate_hz);
         let frame = (f64::from(rate_hz) / 100.0).round() as usize;
         let late_s = settings
             .late_s
@@ -239,7 +263,7 @@ impl ArrayRenderer {
         let tail = TailPlan::new(FRAMES * frame, late_samples.max(longest).max(1), late);
         let emitters: Vec<Emitter> = sources
             .into_iter()
-            .map(|source| Emitter::new(source, room, rate_hz))
+            .map(|source| Emitter::new(source, taps.clone(), rate_hz))
             .collect::<Result<_, _>>()?;
         let ears = microphones.iter().enumerate().map(|(number, microphone)| Ear {
             microphone: *microphone,
@@ -374,9 +398,7 @@ impl ArrayRenderer {
         }
         self.make_noise(first, frames)?;
         let (length, slope) = (self.frame, self.slope());
-        let times: Vec<f64> = (0..=frames)
-            .map(|frame| self.time_s(first + frame as i64))
-            .collect();
+        let times: [f64; FRAMES + 1] = std::array::from_fn(|frame| self.time_s(first + frame as i64));
         let (plan, emitters, places_m) = (&self.early, &self.emitters, &self.places_m);
         let in_block = first.rem_euclid(FRAMES as i64) as usize;
         let seed = self.settings.seed;

@@ -18,6 +18,7 @@ use nalgebra::Vector3;
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::f64::consts::PI;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Samples of the bump.
@@ -161,10 +162,16 @@ impl Synthesis {
         self.lead
     }
 
-    /// Writes all images into the grids, weighted as late ones where there is a split.
+    /// Writes all images into the grids of their bands, weighted as late ones where there is a split.
     pub(crate) fn add(&self, lattice: &Lattice, link: &Link, split: Option<&Split>, scratch: &mut Scratch) {
+        let bands = scratch.grids.len();
         for mirror in &lattice.mirrors {
-            self.add_mirror(mirror, link, split, scratch);
+            self.add_mirror(mirror, link, split, 0..bands, scratch);
+        }
+        for (band, mirrors) in lattice.single.iter().enumerate() {
+            for mirror in mirrors {
+                self.add_mirror(mirror, link, split, band..band + 1, scratch);
+            }
         }
     }
 
@@ -176,10 +183,17 @@ impl Synthesis {
             offset_m: [0, 1, 2].map(|_| vec![0.0]),
             gain: vec![vec![1.0]; bands],
         };
-        self.add_mirror(&direct, link, None, scratch);
+        self.add_mirror(&direct, link, None, 0..bands, scratch);
     }
 
-    fn add_mirror(&self, mirror: &Mirror, link: &Link, split: Option<&Split>, scratch: &mut Scratch) {
+    fn add_mirror(
+        &self,
+        mirror: &Mirror,
+        link: &Link,
+        split: Option<&Split>,
+        bands: Range<usize>,
+        scratch: &mut Scratch,
+    ) {
         let from: [f64; 3] =
             [0, 1, 2].map(|axis| mirror.sign[axis] * link.source_m[axis] - link.microphone_m[axis]);
         let facing: [f64; 3] = [0, 1, 2].map(|axis| mirror.sign[axis] * link.facing[axis]);
@@ -201,7 +215,7 @@ impl Synthesis {
             let positions = &mut scratch.positions[..end - begin];
             let amplitudes = &mut scratch.amplitudes[..end - begin];
             places.compute(offsets, positions, amplitudes);
-            for (grid, gains) in scratch.grids.iter_mut().zip(&mirror.gain) {
+            for (grid, gains) in scratch.grids[bands.clone()].iter_mut().zip(&mirror.gain) {
                 spread(
                     grid,
                     positions,

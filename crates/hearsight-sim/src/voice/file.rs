@@ -12,14 +12,14 @@ pub struct SoundFile {
     pub channels: Vec<Vec<f32>>,
 }
 
-/// Most samples of all channels together that are read: an hour of 48 kHz.
-const MOST_SAMPLES: usize = 48_000 * 3600;
+/// Most samples of all channels together that are read: twenty minutes of 48 kHz.
+const MOST_SAMPLES: usize = 48_000 * 1200;
 
 /// Reads a WAV or FLAC file, by its ending.
 ///
 /// # Errors
-/// [`AcousticsError::File`] where it is neither, cannot be read, is damaged, longer than an hour of 48 kHz, or has
-/// samples that are not finite.
+/// [`AcousticsError::File`] where it is neither, cannot be read, is damaged, longer than twenty minutes of one channel at
+/// 48 kHz, or has samples that are not finite.
 pub fn read_sound(path: &Path) -> Result<SoundFile, AcousticsError> {
     let fail = |reason: String| AcousticsError::File {
         path: path.to_owned(),
@@ -58,7 +58,7 @@ fn read_wav(path: &Path) -> Result<SoundFile, String> {
             }
         }
     }
-    Ok(samples.sound)
+    Ok(samples.finish())
 }
 
 fn read_flac(path: &Path) -> Result<SoundFile, String> {
@@ -70,7 +70,7 @@ fn read_flac(path: &Path) -> Result<SoundFile, String> {
         let sample = sample.map_err(|error| error.to_string())?;
         samples.push((f64::from(sample) * scale) as f32)?;
     }
-    Ok(samples.sound)
+    Ok(samples.finish())
 }
 
 /// Takes samples of one channel after the other.
@@ -95,9 +95,17 @@ impl Interleaved {
         })
     }
 
+    /// What there is, without a last sample that not all channels have.
+    fn finish(mut self) -> SoundFile {
+        for channel in &mut self.sound.channels[..self.next] {
+            channel.pop();
+        }
+        self.sound
+    }
+
     fn push(&mut self, sample: f32) -> Result<(), String> {
         if self.left == 0 {
-            return Err("it is longer than an hour of 48 kHz: split it".to_owned());
+            return Err("it is longer than twenty minutes of one channel at 48 kHz: split it".to_owned());
         }
         self.left -= 1;
         self.sound.channels[self.next].push(sample);
