@@ -61,9 +61,8 @@ impl Run {
         let view = RgbView::new(SIZE.0, SIZE.1, &rgb).unwrap();
         let now = Instant::ZERO + TICK * self.tick;
         self.tick += 1;
-        self.tracker
-            .see(view, &windows(detected), now, TICK, &mut self.identities)
-            .unwrap();
+        self.tracker.see(view, &windows(detected), now, TICK).unwrap();
+        self.tracker.publish(&mut self.identities);
     }
 
     fn columns(&self) -> Vec<f32> {
