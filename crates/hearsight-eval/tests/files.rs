@@ -44,6 +44,7 @@ fn scenes() -> String {
             existence: 0.9,
             views: vec![view("a", tick + 1, 10.0), view("b", tick / 2 + 1, 200.0)],
             position_m: (id == 1).then_some([1.0, 2.0, 1.5]),
+            deviation_m: None,
             speaking: id == 1 && tick < 4,
             speaking_probability: Some(0.75),
             effective_sample_size: 10.0,

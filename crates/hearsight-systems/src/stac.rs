@@ -14,7 +14,7 @@ use hearsight_core::finite::is_finite;
 use hearsight_core::record::{
     BoxRecord, SCENE_SCHEMA_VERSION, Scene, SoundRecord, TrackPhase, TrackRecord, ViewRecord,
 };
-use hearsight_core::room::Room;
+use hearsight_core::room::{ArraySensor, Room};
 use hearsight_core::{Instant, Moment, Rectangle, Span};
 use hearsight_tracking::body::{HeadBox, Part};
 use hearsight_tracking::cues::{ColourCue, Cue, MotionCue, SoundCue};
