@@ -186,6 +186,7 @@ mod tests {
             existence,
             views: vec![],
             position_m: None,
+            deviation_m: None,
             speaking: false,
             speaking_probability: None,
             effective_sample_size: 1.0,
@@ -196,6 +197,8 @@ mod tests {
             column_px,
             signal_to_noise_db: 1.0,
             from_onset: false,
+            position_m: None,
+            deviation_m: None,
             track: None,
         };
         let mut scene = Scene {
