@@ -77,11 +77,14 @@ impl<'a> Guard<'a> {
             // The trace only helps to find what ended the process: without it the run is as good.
             let _ = std::fs::write(trace, input);
         }
-        let begun = Instant::now();
+        let (begun, worked) = (Instant::now(), processor_time());
         *lock(&CURRENT) = Some((begun, input.to_vec()));
         let trial = &mut self.trial;
         let (result, bytes) = peak_bytes(|| catch_unwind(AssertUnwindSafe(|| trial(input))));
-        let time = begun.elapsed();
+        // Time of the processor: other programs on the machine make no case slow.
+        let time = processor_time()
+            .zip(worked)
+            .map_or_else(|| begun.elapsed(), |(now, before)| now.saturating_sub(before));
         *lock(&CURRENT) = None;
         let verdict = match result {
             Ok(Verdict::Broken(promise)) => Err(format!("broken: {promise}")),
@@ -101,6 +104,13 @@ impl Drop for Guard<'_> {
     fn drop(&mut self) {
         WATCHING.store(false, Ordering::SeqCst);
     }
+}
+
+/// Time that this thread has had of a processor, where the system tells.
+fn processor_time() -> Option<Duration> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let nanoseconds = text.split_whitespace().next()?.parse().ok()?;
+    Some(Duration::from_nanos(nanoseconds))
 }
 
 /// Keeps the message of the first panic of a case, and starts the thread that ends cases without end.

@@ -9,8 +9,8 @@ use hearsight_core::source::{AudioSource, VideoSource};
 use hearsight_core::{Instant, Span};
 use hearsight_media::{
     AudioFile, AudioOptions, ChannelSelection, ImageOptions, ImageSequence, InputOptions, LiveAudio,
-    LiveVideo, MediaError, MomentOptions, MomentReader, Pace, QueueOptions, RunClock, SourceClock, VideoFile,
-    VideoOptions,
+    LiveVideo, MediaError, MomentOptions, MomentReader, Pace, QueueOptions, ReconnectingAudio,
+    ReconnectingVideo, RunClock, SourceClock, VideoFile, VideoOptions,
 };
 use std::collections::BTreeMap;
 
@@ -178,8 +178,8 @@ fn open_camera(camera: &ResolvedCamera, clock: RunClock) -> Result<Box<dyn Video
     Ok(Box::new(LiveVideo::spawn(source, &queue).map_err(no_thread)?))
 }
 
-fn camera_source(camera: &ResolvedCamera, clock: RunClock) -> Result<Box<dyn VideoSource>, MediaError> {
-    let clock = source_clock(camera.start, camera.drift_ppm, clock);
+fn camera_source(camera: &ResolvedCamera, run: RunClock) -> Result<Box<dyn VideoSource>, MediaError> {
+    let clock = source_clock(camera.start, camera.drift_ppm, run);
     let name = camera.name.clone();
     if let Input::Images(pattern) = &camera.input {
         let options = ImageOptions {
@@ -196,10 +196,17 @@ fn camera_source(camera: &ResolvedCamera, clock: RunClock) -> Result<Box<dyn Vid
         interval: None,
         input,
     };
-    Ok(Box::new(match &camera.input {
-        Input::File(path) | Input::Images(path) => VideoFile::open(path, options)?,
-        Input::Device(location) | Input::Stream(location) => VideoFile::open_location(location, options)?,
-    }))
+    let location = match &camera.input {
+        Input::File(path) | Input::Images(path) => return Ok(Box::new(VideoFile::open(path, options)?)),
+        Input::Device(location) | Input::Stream(location) => location,
+    };
+    let source = VideoFile::open_location(location, options.clone())?;
+    if !source.format().live || camera.reconnect_s == 0.0 {
+        return Ok(Box::new(source));
+    }
+    let patience = Span::from_seconds(camera.reconnect_s);
+    let source = ReconnectingVideo::around(source, location, options, run, patience);
+    Ok(Box::new(source))
 }
 
 fn open_array(array: &ResolvedArray, clock: RunClock) -> Result<Box<dyn AudioSource>, EngineError> {
@@ -218,7 +225,7 @@ fn open_array(array: &ResolvedArray, clock: RunClock) -> Result<Box<dyn AudioSou
     Ok(Box::new(LiveAudio::spawn(source, &queue).map_err(no_thread)?))
 }
 
-fn array_source(array: &ResolvedArray, clock: RunClock) -> Result<Box<dyn AudioSource>, MediaError> {
+fn array_source(array: &ResolvedArray, run: RunClock) -> Result<Box<dyn AudioSource>, MediaError> {
     let channels = match &array.channels {
         Some(channels) => ChannelSelection::These(channels.clone()),
         None if array.microphones.is_empty() => ChannelSelection::All,
@@ -226,15 +233,22 @@ fn array_source(array: &ResolvedArray, clock: RunClock) -> Result<Box<dyn AudioS
     };
     let options = AudioOptions {
         name: array.name.clone(),
-        clock: source_clock(array.start, array.drift_ppm, clock),
+        clock: source_clock(array.start, array.drift_ppm, run),
         channels,
         rate_hz: array.rate_hz,
         input: input_options(&array.format, &array.options),
     };
-    Ok(Box::new(match &array.input {
-        Input::File(path) | Input::Images(path) => AudioFile::open(path, options)?,
-        Input::Device(location) | Input::Stream(location) => AudioFile::open_location(location, options)?,
-    }))
+    let location = match &array.input {
+        Input::File(path) | Input::Images(path) => return Ok(Box::new(AudioFile::open(path, options)?)),
+        Input::Device(location) | Input::Stream(location) => location,
+    };
+    let source = AudioFile::open_location(location, options.clone())?;
+    if !source.format().live || array.reconnect_s == 0.0 {
+        return Ok(Box::new(source));
+    }
+    let patience = Span::from_seconds(array.reconnect_s);
+    let source = ReconnectingAudio::around(source, location, options, run, patience);
+    Ok(Box::new(source))
 }
 
 /// How a source is queued; nothing for a file that waits to be read.

@@ -2,7 +2,7 @@
 
 use crate::audio_stream::{AudioStream, Step, Trouble};
 use crate::channels::ChannelSelection;
-use crate::clock::SourceClock;
+use crate::clock::{SourceClock, Start};
 use crate::error::{MediaError, fault};
 use crate::input::InputOptions;
 use crate::location;
@@ -164,13 +164,22 @@ impl AudioFile {
         self.format.start + self.clock.common_from_own(own)
     }
 
+    /// The present since the stream's zero, where the arrival of data is what tells their time.
+    fn now(&self) -> Option<Span> {
+        match self.clock.start {
+            Start::OnArrival(clock) if self.format.live => Some(clock.now() - self.format.start),
+            _ => None,
+        }
+    }
+
     /// Reads the next samples into `planes`; `false` at the end.
     fn pull(&mut self, faults: &mut Vec<Fault>) -> bool {
         self.planes.iter_mut().for_each(Vec::clear);
+        let now = self.now();
         let more = match &mut self.origin {
             Origin::Wav(wav) => wav.append(&self.selection, &mut self.planes),
             Origin::Stream(stream) => {
-                let step = stream.append(&self.selection, &mut self.planes, &mut self.troubles);
+                let step = stream.append(now, &self.selection, &mut self.planes, &mut self.troubles);
                 if let (false, Some(since)) = (self.begun, stream.since_arrival()) {
                     self.begun = true;
                     self.format.start = self.clock.start_on_arrival(stream.arrival()) + since;

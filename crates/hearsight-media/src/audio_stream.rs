@@ -83,9 +83,11 @@ impl AudioStream {
         self.zero.map(|zero| self.reader.since_arrival(zero))
     }
 
-    /// Appends the next samples of the channels `selection` to `planes`.
+    /// Appends the next samples of the channels `selection` to `planes`. `now`, for sources that are timed by the arrival
+    /// of their data, is the present since the stream's zero.
     pub(crate) fn append(
         &mut self,
+        now: Option<Span>,
         selection: &[usize],
         planes: &mut [Vec<f32>],
         troubles: &mut Vec<Trouble>,
@@ -103,9 +105,10 @@ impl AudioStream {
             self.give(0, selection, planes, troubles);
             return Step::More;
         }
+        let present = now;
         let now = Span::of_samples(self.next, self.rate_hz);
         match self.reader.next(&mut self.decoded) {
-            Decoded::Frame => self.place(selection, planes, troubles),
+            Decoded::Frame => self.place(present, selection, planes, troubles),
             Decoded::Damaged { reason, .. } => {
                 self.damaged = true;
                 troubles.push((FaultKind::Corrupt, now, reason));
@@ -118,7 +121,13 @@ impl AudioStream {
         Step::More
     }
 
-    fn place(&mut self, selection: &[usize], planes: &mut [Vec<f32>], troubles: &mut Vec<Trouble>) {
+    fn place(
+        &mut self,
+        present: Option<Span>,
+        selection: &[usize],
+        planes: &mut [Vec<f32>],
+        troubles: &mut Vec<Trouble>,
+    ) {
         let ahead = self.ahead();
         let rate = i64::from(self.rate_hz);
         // Containers round time stamps, some to milliseconds; that is no gap.
@@ -133,7 +142,10 @@ impl AudioStream {
             .suspect
             .take()
             .is_some_and(|suspect| (ahead - suspect).abs() <= rate);
-        let endless = ahead > NEVER_BELIEVED.samples(self.rate_hz);
+        let arrived = present.map(|present| present.samples(self.rate_hz) - self.decoded.samples() as i64);
+        let of_the_future = ahead > rate * LONGEST_BELIEVED_S
+            && arrived.is_some_and(|arrived| self.next.saturating_add(ahead) > arrived + rate);
+        let endless = ahead > NEVER_BELIEVED.samples(self.rate_hz) || of_the_future;
         let set_anew = endless || (ahead < -rate && self.reader.live);
         if (ahead > rate * LONGEST_BELIEVED_S || set_anew) && !confirmed {
             self.suspect = Some(ahead);
@@ -142,11 +154,16 @@ impl AudioStream {
                 now,
                 "a time stamp far off was not believed".to_owned(),
             ));
-            self.give(0, selection, planes, troubles);
+            // Where the arrival tells the time it is left out: perhaps everything goes on much later.
+            if arrived.is_none() || !set_anew {
+                self.give(0, selection, planes, troubles);
+            }
         } else if set_anew {
-            self.correction -= ahead;
-            troubles.push((FaultKind::Gap, now, "the source's clock was set anew".to_owned()));
-            self.give(0, selection, planes, troubles);
+            let zeros = arrived.map_or(0, |arrived| arrived - self.next).max(0);
+            self.correction += zeros - ahead;
+            let detail = format!("the source's clock was set anew; zeros stand for {zeros} samples");
+            troubles.push((FaultKind::Gap, now, detail));
+            (self.zeros, self.held) = (zeros, true);
         } else if ahead > 0 {
             if !std::mem::take(&mut self.damaged) {
                 troubles.push((

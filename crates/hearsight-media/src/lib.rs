@@ -8,6 +8,7 @@
 //!   an own path that also knows what the header promised. [`ImageSequence`] reads numbered pictures.
 //! * [`LiveVideo`] and [`LiveAudio`] put a source behind a bounded queue that drops the oldest, or pace a recording
 //!   as if it were live.
+//! * [`ReconnectingVideo`] and [`ReconnectingAudio`] open a live source again where it was lost.
 //! * [`MomentReader`] aligns any number of sources on one clock and builds [`Moment`](hearsight_core::Moment)s.
 //! * [`Canvas`] draws on pictures, [`VideoWriter`] writes them as MP4 or without any loss, [`SoundWriter`] sound as WAV.
 
@@ -29,6 +30,7 @@ mod pending;
 mod picture;
 mod queue;
 mod reader;
+mod reconnect;
 mod refusal;
 mod resample;
 mod samples;
@@ -48,6 +50,7 @@ pub use images::{ImageOptions, ImageSequence};
 pub use input::InputOptions;
 pub use live::{LiveAudio, LiveVideo, Pace, QueueOptions};
 pub use moments::{Camera, Microphones, MomentOptions, MomentReader};
+pub use reconnect::{ReconnectingAudio, ReconnectingVideo};
 pub use sound_writer::{SampleForm, SoundWriter};
 pub use video_file::{VideoCounts, VideoFile, VideoOptions};
 pub use video_writer::{VideoWriter, VideoWriterOptions};

@@ -11,6 +11,8 @@ const LONGEST_BELIEVED: Span = Span::from_nanoseconds(10_000_000_000);
 /// A jump beyond this is damage even where it is confirmed: nobody wants ticks for years.
 pub(crate) const NEVER_BELIEVED: Span = Span::from_nanoseconds(86_400_000_000_000);
 
+const ONE_SECOND: Span = Span::from_nanoseconds(1_000_000_000);
+
 /// What to do with a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Place {
@@ -20,8 +22,9 @@ pub(crate) enum Place {
     Repeated,
     /// A time stamp too far off to believe; leave it out.
     Incredible,
-    /// The source's clock was set anew; the frame is placed one interval after the last.
-    Reset { number: u64, time: Span },
+    /// The source's clock was set anew; the frame is placed where it arrived, where that is known, else one interval after
+    /// the last.
+    Reset { number: u64, missing: u64, time: Span },
 }
 
 /// Places frames by their time since the stream's beginning.
@@ -61,8 +64,9 @@ impl Timeline {
         self.last.map_or(0, |(_, number)| number)
     }
 
-    /// Places a frame of the given time on the source's clock.
-    pub(crate) fn place(&mut self, own: Span) -> Place {
+    /// Places a frame of the given time on the source's clock. `now`, for sources that are timed by the arrival of their
+    /// data, is the present on the camera's time: no frame is of the future.
+    pub(crate) fn place(&mut self, own: Span, now: Option<Span>) -> Place {
         let time = own + self.correction;
         let Some((last, number)) = self.last else {
             if time.magnitude() > NEVER_BELIEVED {
@@ -85,19 +89,23 @@ impl Timeline {
             self.suspect = Some(own);
             return Place::Incredible;
         }
-        if step <= Span::ZERO || step > NEVER_BELIEVED {
-            if step <= Span::ZERO && (!self.live || step.magnitude() < Span::from_seconds(1.0)) {
+        let of_the_future = step > LONGEST_BELIEVED && now.is_some_and(|now| time > now + ONE_SECOND);
+        if step <= Span::ZERO || step > NEVER_BELIEVED || of_the_future {
+            if step <= Span::ZERO && (!self.live || step.magnitude() < ONE_SECOND) {
                 return Place::Repeated;
             }
             if !confirmed {
                 self.suspect = Some(own);
                 return Place::Incredible;
             }
-            let time = last + self.interval;
+            let time = now.unwrap_or(last).max(last + self.interval);
             self.correction = time - own;
-            self.last = Some((time, number + 1));
+            let missing = self.missed(time - last);
+            let number = number + 1 + missing;
+            self.last = Some((time, number));
             return Place::Reset {
-                number: number + 1,
+                number,
+                missing,
                 time,
             };
         }
@@ -143,61 +151,92 @@ mod tests {
     #[test]
     fn lost_frames_keep_their_numbers() {
         let mut timeline = Timeline::new(milliseconds(40), false);
-        assert_eq!(timeline.place(milliseconds(0)), next(1, 0, 0));
-        assert_eq!(timeline.place(milliseconds(40)), next(2, 0, 40));
-        assert_eq!(timeline.place(milliseconds(99)), next(3, 0, 99));
-        assert_eq!(timeline.place(milliseconds(240)), next(7, 3, 240));
-        assert_eq!(timeline.place(milliseconds(240)), Place::Repeated);
-        assert_eq!(timeline.place(milliseconds(200)), Place::Repeated);
-        assert_eq!(timeline.place(milliseconds(301)), next(9, 1, 301));
+        assert_eq!(timeline.place(milliseconds(0), None), next(1, 0, 0));
+        assert_eq!(timeline.place(milliseconds(40), None), next(2, 0, 40));
+        assert_eq!(timeline.place(milliseconds(99), None), next(3, 0, 99));
+        assert_eq!(timeline.place(milliseconds(240), None), next(7, 3, 240));
+        assert_eq!(timeline.place(milliseconds(240), None), Place::Repeated);
+        assert_eq!(timeline.place(milliseconds(200), None), Place::Repeated);
+        assert_eq!(timeline.place(milliseconds(301), None), next(9, 1, 301));
     }
 
     #[test]
     fn frames_lost_before_the_first_keep_their_numbers() {
         let mut timeline = Timeline::new(milliseconds(40), false);
-        assert_eq!(timeline.place(milliseconds(80)), next(3, 2, 80));
+        assert_eq!(timeline.place(milliseconds(80), None), next(3, 2, 80));
     }
 
     #[test]
     fn one_wild_time_stamp_is_set_aside_and_two_are_believed() {
         let mut timeline = Timeline::new(milliseconds(40), false);
-        timeline.place(milliseconds(0));
-        assert_eq!(timeline.place(milliseconds(100_000_000)), Place::Incredible);
-        assert_eq!(timeline.place(milliseconds(40)), next(2, 0, 40));
-        assert_eq!(timeline.place(milliseconds(60_000)), Place::Incredible);
-        assert_eq!(timeline.place(milliseconds(60_040)), next(1502, 1499, 60_040));
+        timeline.place(milliseconds(0), None);
+        assert_eq!(timeline.place(milliseconds(100_000_000), None), Place::Incredible);
+        assert_eq!(timeline.place(milliseconds(40), None), next(2, 0, 40));
+        assert_eq!(timeline.place(milliseconds(60_000), None), Place::Incredible);
+        assert_eq!(
+            timeline.place(milliseconds(60_040), None),
+            next(1502, 1499, 60_040)
+        );
     }
 
     #[test]
     fn years_are_never_believed() {
         let year = 31_536_000_000;
         let mut timeline = Timeline::new(milliseconds(40), false);
-        assert_eq!(timeline.place(milliseconds(-year)), next(1, 0, 0));
-        assert_eq!(timeline.place(milliseconds(40 - year)), next(2, 0, 40));
-        assert_eq!(timeline.place(milliseconds(year)), Place::Incredible);
+        assert_eq!(timeline.place(milliseconds(-year), None), next(1, 0, 0));
+        assert_eq!(timeline.place(milliseconds(40 - year), None), next(2, 0, 40));
+        assert_eq!(timeline.place(milliseconds(year), None), Place::Incredible);
         assert_eq!(
-            timeline.place(milliseconds(year + 40)),
+            timeline.place(milliseconds(year + 40), None),
             Place::Reset {
                 number: 3,
+                missing: 0,
                 time: milliseconds(80)
             }
         );
-        assert_eq!(timeline.place(milliseconds(year + 80)), next(4, 0, 120));
+        assert_eq!(timeline.place(milliseconds(year + 80), None), next(4, 0, 120));
     }
 
     #[test]
     fn a_live_clock_that_was_set_back_goes_on() {
         let mut timeline = Timeline::new(milliseconds(40), true);
-        timeline.place(milliseconds(0));
-        timeline.place(milliseconds(5000));
-        assert_eq!(timeline.place(milliseconds(0)), Place::Incredible);
+        timeline.place(milliseconds(0), None);
+        timeline.place(milliseconds(5000), None);
+        assert_eq!(timeline.place(milliseconds(0), None), Place::Incredible);
         assert_eq!(
-            timeline.place(milliseconds(40)),
+            timeline.place(milliseconds(40), None),
             Place::Reset {
                 number: 127,
+                missing: 0,
                 time: milliseconds(5040)
             }
         );
-        assert_eq!(timeline.place(milliseconds(80)), next(128, 0, 5080));
+        assert_eq!(timeline.place(milliseconds(80), None), next(128, 0, 5080));
+    }
+
+    #[test]
+    fn a_live_source_that_begins_anew_goes_on_at_its_arrival() {
+        let mut timeline = Timeline::new(milliseconds(40), true);
+        timeline.place(milliseconds(0), Some(milliseconds(10)));
+        timeline.place(milliseconds(5000), Some(milliseconds(5010)));
+        // Three seconds later the sender is back with a clock that begins at 0, or at whatever it likes.
+        for far in [0, 3_600_000] {
+            let mut timeline = timeline.clone();
+            let first = timeline.place(milliseconds(far), Some(milliseconds(8010)));
+            assert_eq!(first, Place::Incredible);
+            assert_eq!(
+                timeline.place(milliseconds(far + 40), Some(milliseconds(8050))),
+                Place::Reset {
+                    number: 202,
+                    missing: 75,
+                    time: milliseconds(8050)
+                }
+            );
+            let next = next(203, 0, 8090);
+            assert_eq!(
+                timeline.place(milliseconds(far + 80), Some(milliseconds(8091))),
+                next
+            );
+        }
     }
 }

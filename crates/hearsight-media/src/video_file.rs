@@ -1,6 +1,6 @@
 //! A camera from a file, device or network stream.
 
-use crate::clock::SourceClock;
+use crate::clock::{SourceClock, Start};
 use crate::error::{MediaError, fault};
 use crate::input::InputOptions;
 use crate::location;
@@ -131,6 +131,14 @@ impl VideoFile {
         self.format.start + self.clock.common_from_own(own)
     }
 
+    /// The present since the stream's zero, where the arrival of data is what tells their time.
+    fn now(&self) -> Option<Span> {
+        match self.clock.start {
+            Start::OnArrival(clock) if self.reader.live => Some(clock.now() - self.format.start),
+            _ => None,
+        }
+    }
+
     fn fault(&self, kind: FaultKind, own: Span, detail: String) -> Fault {
         fault(&self.name, self.common(own), kind, detail)
     }
@@ -162,7 +170,7 @@ impl VideoFile {
             );
             return false;
         }
-        let (number, time) = match self.timeline.place(own) {
+        let (number, time) = match self.timeline.place(own, self.now()) {
             Place::Next {
                 number,
                 missing,
@@ -171,9 +179,15 @@ impl VideoFile {
                 self.note_missing(missing, time, faults);
                 (number, time)
             }
-            Place::Reset { number, time } => {
-                let detail = "the source's clock was set anew; frames go on one interval after the last";
-                faults.push(self.fault(FaultKind::Gap, time, detail.to_owned()));
+            Place::Reset {
+                number,
+                missing,
+                time,
+            } => {
+                self.counts.missing += missing;
+                let detail =
+                    format!("the source's clock was set anew; {missing} frames are missing before this time");
+                faults.push(self.fault(FaultKind::Gap, time, detail));
                 (number, time)
             }
             Place::Repeated => {

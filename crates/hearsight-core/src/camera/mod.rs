@@ -110,14 +110,17 @@ impl Camera {
         self.project(point).filter(|pixel| self.contains(*pixel))
     }
 
-    /// The pixel of a point of the world and its derivative by the point (2x3, pixels a metre, world frame).
+    /// The pixel of a point of the world and its derivative by the point (2x3, pixels a metre, world frame); `None` also
+    /// where the derivative is not finite.
     pub fn project_with_jacobian(&self, point: WorldPoint) -> Option<(DistortedPixel, Matrix2x3<f64>)> {
         let (pixel, by_camera_point) = self
             .model
             .projection()
             .project_with_jacobian(self.pose.camera_from_world(point))?;
         let rotation = self.pose.sensor_from_world.rotation.to_rotation_matrix();
-        Some((pixel, by_camera_point * rotation.matrix()))
+        let jacobian = by_camera_point * rotation.matrix();
+        let real = jacobian.iter().all(|entry| entry.is_finite());
+        real.then_some((pixel, jacobian))
     }
 
     /// What is seen at `pixel`: the half-line from the camera's centre; `None` where the lens shows nothing.
@@ -195,15 +198,20 @@ fn is_finite(point: Point3<f64>) -> bool {
     point.iter().all(|coordinate| coordinate.is_finite())
 }
 
+/// Greatest number of a lens: far beyond any, and products of two are finite.
+const GREATEST: f64 = 1e100;
+
 /// Refuses values that are not finite.
 fn finite(field: &'static str, values: &[f64]) -> Result<(), InvalidParameter> {
-    check(field, values, "finite", |value| value.is_finite())
+    check(field, values, "finite, at most 1e100", |value| {
+        value.abs() <= GREATEST
+    })
 }
 
 /// Refuses values that are not finite and positive.
 fn positive(field: &'static str, values: &[f64]) -> Result<(), InvalidParameter> {
-    check(field, values, "finite and positive", |value| {
-        value.is_finite() && value > 0.0
+    check(field, values, "finite and positive, at most 1e100", |value| {
+        value > 0.0 && value <= GREATEST
     })
 }
 
@@ -253,6 +261,27 @@ mod tests {
             assert!(ray.at(camera.centre().distance_m(point)).distance_m(point) < 1e-9);
         }
         assert!(camera.depth_m(WorldPoint::new(1.0, -3.0, 1.5)) < 0.0);
+    }
+
+    #[test]
+    fn a_derivative_that_is_not_finite_is_none() {
+        let lens = |focal_px: f64, k3| {
+            Pinhole::new(PinholeParameters {
+                focal_px: [focal_px; 2],
+                centre_px: [1e99, 5.0],
+                radial: [0.0, 0.0, k3],
+                tangential: [0.0; 2],
+            })
+        };
+        assert!(lens(1e101, 0.0).is_err() && lens(500.0, f64::MAX).is_err());
+        let model = CameraModel::Pinhole(lens(1e100, 1e100).unwrap());
+        let camera = Camera { model, ..camera() };
+        for point in [[0.3, 0.2, 0.5], [0.0, 0.0, 1e-300], [1e3, -1e3, 2.0]] {
+            let point = WorldPoint::new(point[0], point[1], point[2]);
+            if let Some((_, jacobian)) = camera.project_with_jacobian(point) {
+                assert!(jacobian.iter().all(|entry| entry.is_finite()));
+            }
+        }
     }
 
     #[test]

@@ -50,6 +50,8 @@ pub struct RawCamera {
     pub drift: Option<f64>,
     /// Whether a file is played at its own pace as if it were live, dropping what comes too fast. Default false.
     pub paced: Option<bool>,
+    /// For how long a live source that was lost is opened again, seconds. Default 300; 0 ends it at once.
+    pub reconnect: Option<f64>,
     /// Name of the input format where it cannot be guessed, such as `v4l2`.
     pub format: Option<String>,
     /// Options of the input format, such as `video_size = "640x480"`.
@@ -102,6 +104,8 @@ pub struct RawArray {
     pub drift: Option<f64>,
     /// Whether a file is played at its own pace as if it were live. Default false.
     pub paced: Option<bool>,
+    /// For how long a live source that was lost is opened again, seconds. Default 300; 0 ends it at once.
+    pub reconnect: Option<f64>,
     /// Name of the input format where it cannot be guessed, such as `alsa`.
     pub format: Option<String>,
     /// Options of the input format.

@@ -53,6 +53,8 @@ pub struct ResolvedCamera {
     pub drift_ppm: f64,
     /// Whether a file is played at its own pace.
     pub paced: bool,
+    /// For how long a live source that was lost is opened again, seconds.
+    pub reconnect_s: f64,
     /// Frames a second of numbered pictures.
     pub rate_hz: f64,
     /// Name of the input format, where given.
@@ -78,6 +80,8 @@ pub struct ResolvedArray {
     pub drift_ppm: f64,
     /// Whether a file is played at its own pace.
     pub paced: bool,
+    /// For how long a live source that was lost is opened again, seconds.
+    pub reconnect_s: f64,
     /// Name of the input format, where given.
     pub format: Option<String>,
     /// Options of the input format.
@@ -140,6 +144,7 @@ impl ResolvedCamera {
             start: Some(Instant::ZERO),
             drift_ppm: 0.0,
             paced: false,
+            reconnect_s: super::sensors::DEFAULT_RECONNECT_S,
             rate_hz: 25.0,
             format: None,
             options: BTreeMap::new(),
@@ -157,6 +162,7 @@ impl ResolvedArray {
             start: Some(Instant::ZERO),
             drift_ppm: 0.0,
             paced: false,
+            reconnect_s: super::sensors::DEFAULT_RECONNECT_S,
             format: None,
             options: BTreeMap::new(),
             rate_hz: None,

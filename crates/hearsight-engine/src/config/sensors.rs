@@ -10,6 +10,7 @@ use hearsight_core::configuration::{Field, suggest};
 use std::collections::BTreeSet;
 
 const DEFAULT_IMAGE_RATE_HZ: f64 = 25.0;
+pub(super) const DEFAULT_RECONNECT_S: f64 = 300.0;
 
 impl Resolver {
     pub(super) fn camera(
@@ -45,6 +46,7 @@ impl Resolver {
             start: self.start(field, raw.start, &input, raw.paced)?,
             drift_ppm: self.drift(field, raw.drift)?,
             paced: raw.paced.unwrap_or(false),
+            reconnect_s: self.reconnect(field, raw.reconnect)?,
             rate_hz,
             format: raw.format.clone(),
             options: raw.options.clone(),
@@ -89,6 +91,7 @@ impl Resolver {
             start: self.start(field, raw.start, &input, raw.paced)?,
             drift_ppm: self.drift(field, raw.drift)?,
             paced: raw.paced.unwrap_or(false),
+            reconnect_s: self.reconnect(field, raw.reconnect)?,
             format: raw.format.clone(),
             options: raw.options.clone(),
             rate_hz: raw.rate,
@@ -199,6 +202,19 @@ impl Resolver {
         } else {
             Some(start.unwrap_or(Instant::ZERO))
         })
+    }
+
+    fn reconnect(&self, field: &Field, seconds: Option<f64>) -> Result<f64, ConfigurationError> {
+        let seconds = seconds.unwrap_or(DEFAULT_RECONNECT_S);
+        if (0.0..=1e9).contains(&seconds) {
+            return Ok(seconds);
+        }
+        let what = format!("{seconds} s is no time to wait for a source");
+        Err(self.document.error(
+            &field.key("reconnect"),
+            what,
+            "give seconds, 0 to 1e9; 0 ends a live source at once when it is lost",
+        ))
     }
 
     fn drift(&self, field: &Field, drift: Option<f64>) -> Result<f64, ConfigurationError> {
