@@ -105,7 +105,10 @@ fn build(parameters: &Value, room: &Room, seed: u64) -> Result<Box<dyn System>, 
         .collect();
     Ok(Box::new(Stac {
         views: views?,
-        warnings: warnings(room),
+        warnings: match parameters.modality {
+            Modality::Video => Vec::new(),
+            Modality::AudioVisual | Modality::Audio => warnings(room),
+        },
         next_identity: 0,
         last: None,
     }))
@@ -144,9 +147,10 @@ fn build_view(parameters: &Parameters, room: &Room, camera: usize, seed: u64) ->
     let sensor = &room.cameras[camera];
     let paired = match parameters.modality {
         Modality::Video => None,
-        Modality::AudioVisual | Modality::Audio => {
-            room.arrays.iter().position(|array| array.camera == Some(camera))
-        }
+        Modality::AudioVisual | Modality::Audio => room
+            .arrays
+            .iter()
+            .position(|array| array.camera == Some(camera) && is_placed(array)),
     };
     let array = paired.map(|index| (index, room.arrays[index].name.clone()));
     let heard = paired
