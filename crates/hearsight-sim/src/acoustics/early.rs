@@ -5,8 +5,8 @@
 
 use super::emitter::Emitter;
 use super::lattice::Lattice;
-use super::response::{NEAREST_M, Split};
 use super::room::BANDS;
+use super::synthesis::{NEAREST_M, Split};
 
 /// Images are looked through anew after so many metres of movement.
 const MARGIN_M: f64 = 0.25;

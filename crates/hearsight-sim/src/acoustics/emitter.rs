@@ -2,9 +2,9 @@
 
 use super::error::AcousticsError;
 use super::kernel::{Branches, HALF, TAPS, branch_filters, correlate_into};
-use super::response::unit;
 use super::room::Shoebox;
 use super::source::SoundSource;
+use super::synthesis::unit;
 
 /// Instants a second at which positions are asked for.
 const KEYS_PER_S: f64 = 100.0;

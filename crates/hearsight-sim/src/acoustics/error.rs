@@ -38,8 +38,8 @@ pub enum AcousticsError {
     },
     /// No absorption gives the reverberation time in this room.
     #[error(
-        "{entry} is {wanted_s} s, which no absorption of up to {:.0} % of a wall's sound reaches in a room of this size: \
-         choose at least {shortest_s:.2} s, a smaller room, or anechoic walls",
+        "{entry} is {wanted_s} s, which no absorption of up to {:.0} % of a wall's sound reaches in a room of this \
+         size: choose at least {shortest_s:.2} s, a smaller room, or anechoic walls",
         100.0 * most_absorbed
     )]
     Unreachable {

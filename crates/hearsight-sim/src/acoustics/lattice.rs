@@ -149,8 +149,8 @@ impl Lattice {
         }
     }
 
-    /// Replaces the gains in bands by fewer: each image's gains become a sum of few mixtures of bands, the first of which
-    /// is all bands alike. Gives the mixtures; their number is the least with which no image's gains differ by more than
+    /// Replaces the gains in bands by fewer: each image's gains become a sum of few mixtures of bands, the first of
+    /// which is all bands alike. Gives the mixtures; their number is the least with which no image's gains differ by more than
     /// `tolerance` of their norm.
     ///
     /// Gains of bands fall together, if not equally; so two or three mixtures do what six bands would.

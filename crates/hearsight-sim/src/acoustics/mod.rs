@@ -1,8 +1,8 @@
 //! The sound field of a box: what microphones hear of sources that move and turn in it.
 //!
-//! * [`Shoebox`] — the room: size, walls, reverberation time; its absorption is sought so that responses decay as asked.
-//! * [`SoundSource`] — a [`Path`] (where it is and faces at any time), a [`Sound`] (its samples), directivity and level.
-//! * [`Microphone`], [`Mismatch`], [`DeviceClock`], [`Placement`] — the array that listens, where it is, and its clock.
+//! * [`Shoebox`] — the room: size, walls, reverberation time, for which the absorption is sought.
+//! * [`SoundSource`] — a [`Path`] (where it is and faces), a [`Sound`] (its samples), directivity and level.
+//! * [`Microphone`], [`Mismatch`], [`DeviceClock`], [`Placement`] — the array that listens, where, and its clock.
 //! * [`ArrayRenderer`] — takes room, sources and microphones and gives their samples, block after block.
 //! * [`Responder`] — impulse responses between points that stay; [`MeasuredResponse`] — real ones instead.
 //!
@@ -12,7 +12,8 @@
 //! ```
 //! use hearsight_core::{AudioBlock, WorldPoint};
 //! use hearsight_sim::acoustics::{
-//!     ArrayRenderer, Clip, Directivity, Emission, Microphone, RenderSettings, Shoebox, ShoeboxSettings, SoundSource, Walls,
+//!     ArrayRenderer, Clip, Directivity, Emission, Microphone, RenderSettings, Shoebox, ShoeboxSettings, SoundSource,
+//!     Walls,
 //! };
 //! use std::sync::Arc;
 //!
@@ -44,6 +45,7 @@ mod diffuse;
 mod early;
 mod emitter;
 pub(crate) mod error;
+mod high_pass;
 mod kernel;
 mod lattice;
 mod measured;
@@ -52,7 +54,9 @@ pub(crate) mod random;
 mod renderer;
 mod response;
 mod room;
+mod settings;
 pub(crate) mod source;
+mod synthesis;
 mod tail;
 
 pub use decay::reverberation_time_s;
@@ -60,7 +64,8 @@ pub use diffuse::DiffuseNoise;
 pub use error::AcousticsError;
 pub use measured::MeasuredResponse;
 pub use microphones::{DeviceClock, Microphone, Mismatch, Placement};
-pub use renderer::{ArrayRenderer, RenderSettings};
+pub use renderer::ArrayRenderer;
 pub use response::{ImpulseResponse, Responder, ResponseSettings};
 pub use room::{BAND_CENTRES_HZ, BANDS, Shoebox, ShoeboxSettings, Walls};
+pub use settings::RenderSettings;
 pub use source::{Clip, Directivity, Emission, Path, Sound, SoundSource, Standing};

@@ -5,21 +5,21 @@
 //! taken in the order of sources: the same bytes for any size of blocks and any number of threads.
 
 use super::bands;
-use super::diffuse::{DiffuseField, DiffuseNoise};
+use super::diffuse::DiffuseField;
 use super::early::{EarlyFrame, EarlyLink, EarlyPlan};
 use super::emitter::Emitter;
 use super::error::{AcousticsError, check};
+use super::high_pass::HighPass;
 use super::lattice::{Lattice, Reach};
-use super::measured::MeasuredResponse;
-use super::microphones::{DeviceClock, Microphone, Placement};
+use super::microphones::{Microphone, Placement};
 use super::random::{derive, generator, normal};
-use super::response::{Link, Split, Synthesis};
 use super::room::{BANDS, Shoebox};
+use super::settings::RenderSettings;
 use super::source::SoundSource;
+use super::synthesis::{Link, Split, Synthesis};
 use super::tail::{Feed, Filter, LatePlan, TailEar, TailInput, TailPlan};
 use hearsight_core::{AudioBlock, Instant, WorldPoint};
 use rayon::prelude::*;
-use std::f64::consts::PI;
 
 /// Frames in a block of late reverberation.
 const FRAMES: usize = 6;
@@ -46,89 +46,6 @@ fn mixture_taps(mixtures: &[[f64; BANDS]], rate_hz: u32) -> Vec<Vec<f32>> {
         (0..filters[0].len()).map(tap).collect()
     };
     mixtures[1..].iter().map(mix).collect()
-}
-
-/// How the sound of a room is made.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RenderSettings {
-    /// Nominal samples a second of the array and of all sounds, 8000 to 192000.
-    pub rate_hz: u32,
-    /// The array's clock.
-    pub clock: DeviceClock,
-    /// How late reflections are still followed one by one, seconds of travel, 0.005 to 0.5; default 0.06, and at least
-    /// the way across the room. Raising it costs time with its third power.
-    pub early_s: f64,
-    /// Movement of source and microphones after which late reverberation is renewed, metres, 0.01 to 10; default 0.1.
-    pub renew_m: f64,
-    /// Late reflections a sample at most, 0.5 to 1000; default 4. Where a room has more, so many are drawn and made as
-    /// loud as all. Raising it costs time in proportion.
-    pub late_per_sample: f64,
-    /// Length of reverberation, seconds of travel, 0 to 10; by default the longest reverberation time, at most 3.
-    pub late_s: Option<f64>,
-    /// Noise from everywhere.
-    pub noise: Option<DiffuseNoise>,
-    /// Measured responses, each instead of the simulated one from its source to its microphone.
-    pub measured: Vec<MeasuredResponse>,
-    /// What distinguishes the noises of this array from those of others.
-    pub seed: u64,
-}
-
-impl RenderSettings {
-    /// The usual settings at a rate.
-    pub fn new(rate_hz: u32) -> Self {
-        Self {
-            rate_hz,
-            clock: DeviceClock::default(),
-            early_s: 0.06,
-            renew_m: 0.1,
-            late_per_sample: 4.0,
-            late_s: None,
-            noise: None,
-            measured: Vec::new(),
-            seed: 0,
-        }
-    }
-
-    fn check(&self) -> Result<(), AcousticsError> {
-        check(
-            (8000..=192_000).contains(&self.rate_hz),
-            "rate_hz of the array",
-            "within 8000 and 192000",
-            f64::from(self.rate_hz),
-        )?;
-        self.clock.check()?;
-        let late_s = self.late_s.unwrap_or(0.0);
-        let rules = [
-            (
-                "early_s",
-                (0.005..=0.5).contains(&self.early_s),
-                "within 0.005 and 0.5",
-                self.early_s,
-            ),
-            (
-                "renew_m",
-                (0.01..=10.0).contains(&self.renew_m),
-                "within 0.01 and 10",
-                self.renew_m,
-            ),
-            (
-                "late_per_sample",
-                (0.5..=1000.0).contains(&self.late_per_sample),
-                "within 0.5 and 1000",
-                self.late_per_sample,
-            ),
-            (
-                "late_s",
-                (0.0..=10.0).contains(&late_s),
-                "within 0 and 10",
-                late_s,
-            ),
-        ];
-        for (name, holds, rule, value) in rules {
-            check(holds, name, rule, value)?;
-        }
-        self.noise.as_ref().map_or(Ok(()), DiffuseNoise::check)
-    }
 }
 
 /// Where source and microphones were when the late responses of a source were made.
@@ -558,7 +475,9 @@ impl ArrayRenderer {
         self.noise.iter_mut().for_each(Vec::clear);
         while sample < end {
             let number = sample.div_euclid(stretch);
-            diffuse.make(number, &self.places_m[0])?;
+            // Where the microphones are in the frame in which the stretch begins, whatever blocks are asked for.
+            let begun = ((number * stretch - first * self.frame as i64) / self.frame as i64).max(0);
+            diffuse.make(number, &self.places_m[begun as usize])?;
             let from = (sample - number * stretch) as usize;
             let count = (end - sample).min(stretch - from as i64) as usize;
             for (noise, output) in self.noise.iter_mut().zip(&diffuse.output) {
@@ -590,39 +509,5 @@ impl Renewed {
             .fold(0.0, f64::max);
         let cosine: f64 = self.facing.iter().zip(facing).map(|(old, new)| old * new).sum();
         apart(&self.source_m, source_m) + moved < renew_m && (!directive || cosine > TURN_COSINE)
-    }
-}
-
-/// A second-order high-pass (Butterworth), by the bilinear transform.
-struct HighPass {
-    gain: f64,
-    feedback: [f64; 2],
-    memory: [f64; 2],
-}
-
-impl HighPass {
-    fn new(corner_hz: f64, rate_hz: u32) -> Self {
-        let omega = 2.0 * PI * corner_hz / f64::from(rate_hz);
-        let alpha = omega.sin() / 2.0_f64.sqrt();
-        let whole = 1.0 + alpha;
-        Self {
-            gain: 0.5 * (1.0 + omega.cos()) / whole,
-            feedback: [-2.0 * omega.cos() / whole, (1.0 - alpha) / whole],
-            memory: [0.0; 2],
-        }
-    }
-
-    fn filter(&mut self, gain: f32, samples: &mut [f32]) {
-        let [a1, a2] = self.feedback;
-        let [mut first, mut second] = self.memory;
-        for sample in samples {
-            let input = f64::from(*sample * gain) * self.gain;
-            // Transposed second form: input, -2 input, input.
-            let output = input + first;
-            first = -2.0 * input - a1 * output + second;
-            second = input - a2 * output;
-            *sample = output as f32;
-        }
-        self.memory = [first, second];
     }
 }

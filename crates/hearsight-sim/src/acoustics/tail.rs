@@ -2,12 +2,12 @@
 //!
 //! Blocks of the source's signal are convolved with the response of the time when they were emitted; where a response
 //! is renewed, one block fades from the old to the new one. So nothing clicks, and what was emitted before goes on
-//! decaying with its own response. Convolution is partitioned: a block's spectrum times that of each part of the response
-//! is added to the spectrum of the block where that part is heard.
+//! decaying with its own response. Convolution is partitioned: a block's spectrum times that of each part of the
+//! response is added to the spectrum of the block where that part is heard.
 
 use super::error::AcousticsError;
 use super::lattice::Lattice;
-use super::response::{Link, Scratch, Split, Synthesis};
+use super::synthesis::{Link, Scratch, Split, Synthesis};
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::sync::Arc;

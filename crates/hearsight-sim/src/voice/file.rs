@@ -18,8 +18,8 @@ const MOST_SAMPLES: usize = 48_000 * 1200;
 /// Reads a WAV or FLAC file, by its ending.
 ///
 /// # Errors
-/// [`AcousticsError::File`] where it is neither, cannot be read, is damaged, longer than twenty minutes of one channel at
-/// 48 kHz, or has samples that are not finite.
+/// [`AcousticsError::File`] where it is neither, cannot be read, is damaged, longer than twenty minutes of one channel
+/// at 48 kHz, or has samples that are not finite.
 pub fn read_sound(path: &Path) -> Result<SoundFile, AcousticsError> {
     let fail = |reason: String| AcousticsError::File {
         path: path.to_owned(),
