@@ -7,6 +7,7 @@ mod microphones;
 mod parameters;
 mod room;
 mod saved_run;
+mod scenario;
 mod state;
 mod wav;
 
@@ -48,6 +49,7 @@ pub const TARGETS: &[Target] = &[
     cascade::TARGET,
     calibration::TARGET,
     room::TARGET,
+    scenario::TARGET,
     microphones::TARGET,
     parameters::TARGET,
     state::TARGET,

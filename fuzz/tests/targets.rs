@@ -42,6 +42,7 @@ targets! {
     cascade
     calibration
     room
+    scenario
     microphones
     parameters
     state

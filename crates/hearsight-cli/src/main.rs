@@ -3,7 +3,6 @@
 //! One file a command in [`commands`]. No tracking happens here.
 
 mod commands;
-mod demo;
 mod exit;
 mod formats;
 mod interrupt;
@@ -37,7 +36,7 @@ enum Command {
     Check(commands::check::Arguments),
     /// Make recordings of a simulated room, with the exact truth.
     Simulate(commands::simulate::Arguments),
-    /// Make a small recording of two people, track it and say what came out. Needs no data and no device.
+    /// Simulate a meeting, track it, judge the tracks and show them. Needs no data and no device.
     Demo(commands::demo::Arguments),
     /// Judge tracks by the truth: CLEAR MOT, identity, HOTA, speech, calibration; table, JSON, HTML with plots.
     Evaluate(commands::evaluate::Arguments),

@@ -118,7 +118,7 @@ pub(super) const TARGET: Target = Target {
 };
 
 /// Shows an error as the program does, and checks that its place is in the text that it shows.
-fn show(error: &ConfigurationError) -> Verdict {
+pub(super) fn show(error: &ConfigurationError) -> Verdict {
     let length = error.text.inner().len();
     if let Some(span) = error.span
         && span.offset() + span.len() > length

@@ -1,26 +1,52 @@
-//! `hearsight demo`: makes a little recording, tracks it, and says what came out beside what is true.
+//! `hearsight demo`: simulates a meeting, tracks it, judges the tracks by the truth, and says where to look.
 
 use super::track;
-use crate::demo::{FRAMES_PER_SECOND, World, make};
 use crate::exit::Code;
 use crate::interrupt;
+use crate::progress::Bar;
+use crate::recording::{self, Choice, Format};
 use crate::say;
+use hearsight::Engine;
+use hearsight::engine::Outcome;
 use hearsight::engine::config::load;
-use hearsight::engine::{Outcome, Sink, SinkError, Summary, Tick};
-use hearsight::{Engine, Scene};
-use std::path::PathBuf;
-use std::sync::{Arc, Mutex};
+use hearsight::eval::read::read;
+use hearsight::eval::{Options, Report, Side, pair};
+use hearsight::sim::scenario::from_text;
+use hearsight::sim::simulation::Simulation;
+use miette::{Context, IntoDiagnostic};
+use std::path::{Path, PathBuf};
 
-/// A head this near to where a person is counts as found, pixels.
-const GATE_PX: f64 = 20.0;
-/// People have walked in by then, seconds.
-const SETTLED_S: f64 = 3.0;
+/// The report's name.
+const REPORT: &str = "report.html";
 
 const EXAMPLES: &str = "\
 Examples:
-  hearsight demo                         makes hearsight-demo/ and tracks it
-  hearsight demo --out /tmp/d --seconds 30
-  hearsight track hearsight-demo/room.toml --out again";
+  hearsight demo                         a meeting of three, into hearsight-demo/
+  hearsight demo --room living-room      two people who walk about, with a television that talks
+  hearsight demo --out /tmp/d --seconds 15 --seed 4
+  hearsight track hearsight-demo/room.toml --out again
+  hearsight simulate scenes/meeting.toml --out mine      your own: scenes/ holds the demo's rooms";
+
+/// The rooms to choose from: files in scenes/.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum DemoRoom {
+    /// Three people come into a small meeting room and talk.
+    Meeting,
+    /// Two people walk about in a living room whose television talks.
+    LivingRoom,
+}
+
+impl DemoRoom {
+    const fn scenario(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Meeting => ("meeting.toml", include_str!("../../../../scenes/meeting.toml")),
+            Self::LivingRoom => (
+                "living-room.toml",
+                include_str!("../../../../scenes/living-room.toml"),
+            ),
+        }
+    }
+}
 
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
@@ -28,12 +54,15 @@ pub(crate) struct Arguments {
     /// Directory for the recording and the results; made where it is missing.
     #[arg(short, long, value_name = "DIRECTORY", default_value = "hearsight-demo")]
     out: PathBuf,
-    /// Length of the recording, seconds.
-    #[arg(long, default_value_t = 16.0, value_parser = seconds)]
-    seconds: f64,
-    /// Make the recording only.
+    /// The room.
+    #[arg(long, value_enum, default_value_t = DemoRoom::Meeting)]
+    room: DemoRoom,
+    /// Length, seconds. Default: that of the scenario.
+    #[arg(long, value_parser = seconds)]
+    seconds: Option<f64>,
+    /// Seed of what is drawn: looks, voices, who speaks when. Default: that of the scenario.
     #[arg(long)]
-    only_make: bool,
+    seed: Option<u64>,
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
@@ -46,131 +75,67 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Makes, tracks and prints.
+/// Simulates, tracks, judges and prints.
 pub(crate) fn run(arguments: &Arguments) -> miette::Result<Code> {
-    let world = World {
-        seconds: arguments.seconds,
+    let (name, text) = arguments.room.scenario();
+    let mut overrides = Vec::new();
+    overrides.extend(arguments.seed.map(|seed| ("seed".to_owned(), seed.to_string())));
+    overrides.extend(
+        arguments
+            .seconds
+            .map(|seconds| ("seconds".to_owned(), format!("{seconds:?}"))),
+    );
+    let world = from_text(name, text, &overrides)?;
+    let choice = Choice {
+        format: Format::Lossless,
+        video: true,
+        sound: true,
     };
-    let path = make(&world, &arguments.out)?;
-    if arguments.only_make {
-        say::line(format_args!("made {}", path.display()));
-        return Ok(Code::Done);
-    }
-    let results = arguments.out.join("tracks");
-    let overrides = vec![("output.overlay".to_owned(), "true".to_owned())];
-    let mut room = load(&path, &overrides)?;
-    room.output.directory.clone_from(&results);
-    let tally = Arc::new(Mutex::new(Tally::default()));
-    let judge = Judge {
-        world,
-        tally: Arc::clone(&tally),
-    };
-    let mut engine = Engine::open(room)?;
-    let mut outputs = engine.open_outputs()?;
-    outputs.add(Box::new(judge));
     let stop = interrupt::flag();
+    let begun = std::time::Instant::now();
+    let bar = Bar::of_seconds(world.seconds, arguments.quiet);
+    let simulation = Simulation::new(world).into_diagnostic()?;
+    let (room, interrupted) = recording::record(&simulation, &arguments.out, choice, &stop, &mut |done_s| {
+        bar.show_seconds(done_s);
+    })?;
+    bar.end();
+    if interrupted {
+        return Ok(Code::Interrupted);
+    }
+    if !arguments.quiet {
+        recording::describe(&simulation, &arguments.out, begun.elapsed().as_secs_f64());
+    }
+    let tracks = arguments.out.join("tracks");
+    let mut configuration = load(&room, &vec![("output.overlay".to_owned(), "true".to_owned())])?;
+    configuration.output.directory.clone_from(&tracks);
+    let mut engine = Engine::open(configuration)?;
+    let outputs = engine.open_outputs()?;
     let summary = track::drive(&mut engine, outputs, &stop, arguments.quiet)?;
+    if summary.outcome == Outcome::Interrupted {
+        return Ok(Code::Interrupted);
+    }
+    let report = judge(&arguments.out, &tracks)?;
+    let page = arguments.out.join(REPORT);
+    std::fs::write(&page, report.html())
+        .into_diagnostic()
+        .wrap_err_with(|| format!("cannot write {}", page.display()))?;
     if !arguments.quiet {
         track::print(&engine, &summary);
-        if let Ok(tally) = tally.lock() {
-            tally.print();
-        }
-        let shown = results.join("front.mp4");
-        say::line(format_args!(
-            "look at {}, or run: hearsight check {}",
-            shown.display(),
-            path.display()
-        ));
-    }
-    Ok(if summary.outcome == Outcome::Interrupted {
-        Code::Interrupted
-    } else {
-        Code::Done
-    })
-}
-
-/// How often the results agree with what is true.
-#[derive(Default)]
-struct Tally {
-    people: u64,
-    found: u64,
-    error_px: f64,
-    talking: u64,
-    right: u64,
-    wrong: u64,
-}
-
-/// A sink that knows the truth.
-struct Judge {
-    world: World,
-    tally: Arc<Mutex<Tally>>,
-}
-
-impl Sink for Judge {
-    fn write(&mut self, tick: Tick<'_>) -> Result<(), SinkError> {
-        if let Ok(mut tally) = self.tally.lock()
-            && tick.scene.time_s >= SETTLED_S
-        {
-            tally.add(&self.world, tick.scene);
-        }
-        Ok(())
-    }
-
-    fn finish(&mut self, _: &Summary) -> Result<(), SinkError> {
-        Ok(())
-    }
-}
-
-impl Tally {
-    fn add(&mut self, world: &World, scene: &Scene) {
-        for person in world.people(scene.time_s) {
-            let distance = |track: &hearsight::TrackRecord| {
-                let head = track.views.first()?.head;
-                let (u, v) = (head.left + head.width / 2.0, head.top + head.height / 2.0);
-                Some((u - person.head_px[0]).hypot(v - person.head_px[1]))
-            };
-            let nearest = scene
-                .tracks
-                .iter()
-                .filter_map(|track| Some((distance(track)?, track)));
-            let nearest = nearest
-                .min_by(|one, other| one.0.total_cmp(&other.0))
-                .filter(|(px, _)| *px < GATE_PX);
-            self.people += 1;
-            if let Some((error_px, _)) = nearest {
-                self.found += 1;
-                self.error_px += error_px;
-            }
-            if person.talking {
-                self.talking += 1;
-                match (scene.speaker, nearest) {
-                    (Some(speaker), Some((_, track))) if speaker == track.id => self.right += 1,
-                    (Some(_), _) => self.wrong += 1,
-                    (None, _) => {}
-                }
-            }
+        say::line(format_args!("beside the truth:\n{}", report.table().trim_end()));
+        for camera in &simulation.world().cameras {
+            let video = tracks.join(format!("{}.mp4", camera.name));
+            say::line(format_args!("look at {} and {}", video.display(), page.display()));
         }
     }
+    Ok(Code::Done)
+}
 
-    fn print(&self) {
-        let part = |count: u64, all: u64| {
-            if all > 0 {
-                100.0 * count as f64 / all as f64
-            } else {
-                0.0
-            }
-        };
-        let seconds = self.people as f64 / 2.0 / FRAMES_PER_SECOND;
-        let error = self.error_px / self.found.max(1) as f64;
-        say::line(format_args!("beside the truth, over the last {seconds:.1} s:"));
-        say::line(format_args!(
-            "  heads found {:.0} %, {error:.1} px off on average",
-            part(self.found, self.people)
-        ));
-        say::line(format_args!(
-            "  of the time that someone talks: the right person marked {:.0} %, a wrong one {:.0} %",
-            part(self.right, self.talking),
-            part(self.wrong, self.talking)
-        ));
-    }
+/// Judges the tracks in a directory by the truth in another.
+fn judge(truth: &Path, tracks: &Path) -> miette::Result<Report> {
+    let of_truth = read(truth, Side::Truth, None).into_diagnostic()?;
+    let of_tracks = read(tracks, Side::Tracks, None).into_diagnostic()?;
+    let options = Options::default();
+    let paired = pair("", &of_truth, &of_tracks, &options).into_diagnostic()?;
+    let names = [truth, tracks].map(|path| path.display().to_string());
+    Report::new(names, paired.cases, paired.notes, options).into_diagnostic()
 }

@@ -4,15 +4,24 @@
 //! and refuse what cannot be: people in walls, sources outside the room, times out of order. Errors name the entry.
 //! Nothing is rendered here, and no file but the scenario is read; recordings and photographs are checked to exist.
 
+mod actions;
+mod arrays;
+mod bases;
+mod cameras;
 mod checks;
 mod colours;
-mod devices;
+mod conversations;
+mod furniture;
+mod lenses;
 mod looks;
+mod names;
 mod people;
 pub mod raw;
 mod resolve;
 mod sounds;
 mod surroundings;
+mod walls;
+mod wandering;
 
 pub use resolve::{load, resolve};
 

@@ -1,21 +1,24 @@
-//! Raw scenario to a world: defaults, names, and what belongs to no part alone.
+//! Raw scenario to a world: defaults, and what belongs to no part alone.
 
-use super::raw::{RawDirection, RawScene};
+use super::names::Thing;
+use super::raw::RawScene;
 use crate::acoustics::random::derive;
 use crate::world::World;
 use hearsight_core::WorldPoint;
-use hearsight_core::configuration::{
-    ConfigurationError, Document, Field, Overrides, nearest, parse, suggest,
-};
+use hearsight_core::configuration::{ConfigurationError, Document, Field, Overrides, parse};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-/// Scenarios beyond this are slips, seconds: a day.
-const LONGEST_S: f64 = 86_400.0;
+/// The longest scenario, seconds: two hours. All that is said in it is held in memory.
+const LONGEST_S: f64 = 7200.0;
+
 const DEFAULT_SECONDS: f64 = 20.0;
+
 const DEFAULT_SEED: u64 = 1;
+
 const DEFAULT_SIZE_M: [f64; 3] = [6.0, 5.0, 2.7];
+
 /// Most of anything in a room, so that a slip does not fill memory.
 const MOST_ENTRIES: usize = 1000;
 
@@ -58,7 +61,7 @@ pub fn resolve(
     let seconds = raw.seconds.unwrap_or(DEFAULT_SECONDS);
     if !(seconds.is_finite() && seconds > 0.0 && seconds <= LONGEST_S) {
         let what = format!("{seconds} s is no length");
-        return Err(document.error(&Field::of("seconds"), what, "give seconds from 0 to 86400"));
+        return Err(document.error(&Field::of("seconds"), what, "give seconds from 0 to 7200"));
     }
     let size_m = raw.room.size.unwrap_or(DEFAULT_SIZE_M);
     for (axis, length) in size_m.iter().enumerate() {
@@ -80,23 +83,6 @@ pub fn resolve(
     resolver.world(raw, scene_name)
 }
 
-/// What a name stands for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Thing {
-    /// A person by number, and where they are at the beginning.
-    Person(usize, Option<[f64; 2]>),
-    /// A door by number.
-    Door(usize),
-    /// A piece of furniture by number, and its middle.
-    Furniture(usize, WorldPoint),
-    /// A base by number.
-    Base(usize),
-    /// A camera or array, and its place where it does not move.
-    Sensor(Option<WorldPoint>),
-    /// A sound, and its place where it has one.
-    Noise(Option<WorldPoint>),
-}
-
 /// What every step needs.
 pub(super) struct Resolver {
     pub(super) document: Document,
@@ -104,9 +90,9 @@ pub(super) struct Resolver {
     pub(super) seconds: f64,
     pub(super) seed: u64,
     pub(super) size_m: [f64; 3],
-    names: BTreeMap<String, (Thing, Field)>,
+    pub(super) names: BTreeMap<String, (Thing, Field)>,
     /// When the actions of each person that move the body begin, with their numbers.
-    actions: Vec<Vec<(f64, usize)>>,
+    pub(super) actions: Vec<Vec<(f64, usize)>>,
 }
 
 impl Resolver {
@@ -173,146 +159,11 @@ impl Resolver {
         Ok(world)
     }
 
-    fn name_everything(&mut self, raw: &RawScene) -> Result<(), ConfigurationError> {
-        for (number, person) in raw.person.iter().enumerate() {
-            let moves = person.action.iter().enumerate().filter_map(|(place, action)| {
-                (action.look.is_none() && action.gesture.is_none()).then_some((action.time?, place))
-            });
-            self.actions.push(moves.collect());
-            let field = Field::of("person").index(number);
-            let thing = Thing::Person(number, person.at);
-            self.take_name(
-                &field,
-                person.name.clone(),
-                format!("person{}", number + 1),
-                thing,
-            )?;
-        }
-        let doors = raw.room.door.len();
-        for (number, door) in raw.room.door.iter().enumerate() {
-            let field = Field::of("room").key("door").index(number);
-            let default = if doors == 1 {
-                "door".to_owned()
-            } else {
-                format!("door{}", number + 1)
-            };
-            self.take_name(&field, door.name.clone(), default, Thing::Door(number))?;
-        }
-        for (number, furniture) in raw.furniture.iter().enumerate() {
-            let field = Field::of("furniture").index(number);
-            let [x, y] = furniture.at.unwrap_or_default();
-            let place = WorldPoint::new(x, y, 0.8);
-            let default = format!("{}{}", super::surroundings::kind_name(furniture.kind), number + 1);
-            self.take_name(
-                &field,
-                furniture.name.clone(),
-                default,
-                Thing::Furniture(number, place),
-            )?;
-        }
-        for (number, base) in raw.base.iter().enumerate() {
-            let field = Field::of("base").index(number);
-            self.take_name(
-                &field,
-                base.name.clone(),
-                format!("base{}", number + 1),
-                Thing::Base(number),
-            )?;
-        }
-        for (number, noise) in raw.noise.iter().enumerate() {
-            let field = Field::of("noise").index(number);
-            let place = noise.at.map(|[x, y, z]| WorldPoint::new(x, y, z));
-            let default = format!("{}{}", super::sounds::kind_name(noise.kind), number + 1);
-            self.take_name(&field, noise.name.clone(), default, Thing::Noise(place))?;
-        }
-        for (number, camera) in raw.camera.iter().enumerate() {
-            let field = Field::of("camera").index(number);
-            let place = camera.at.filter(|_| camera.base.is_none());
-            let thing = Thing::Sensor(place.map(|[x, y, z]| WorldPoint::new(x, y, z)));
-            self.take_name(&field, camera.name.clone(), format!("cam{}", number + 1), thing)?;
-        }
-        for (number, array) in raw.array.iter().enumerate() {
-            let field = Field::of("array").index(number);
-            let place = array.at.filter(|_| array.base.is_none());
-            let thing = Thing::Sensor(place.map(|[x, y, z]| WorldPoint::new(x, y, z)));
-            self.take_name(&field, array.name.clone(), format!("array{}", number + 1), thing)?;
-        }
-        Ok(())
-    }
-
-    fn take_name(
-        &mut self,
-        field: &Field,
-        given: Option<String>,
-        default: String,
-        thing: Thing,
-    ) -> Result<(), ConfigurationError> {
-        let name = given.unwrap_or(default);
-        let at = field.key("name");
-        self.good_name(&at, &name)?;
-        if let Some((_, other)) = self.names.get(&name) {
-            let what = format!("`{name}` is already the name of {other}");
-            return Err(self.wrong(&at, what, "give each person and thing a name of its own"));
-        }
-        self.names.insert(name, (thing, field.clone()));
-        Ok(())
-    }
-
-    /// The name that was given to the entry of a field.
-    pub(super) fn name_of(&self, field: &Field) -> String {
-        let found = self.names.iter().find(|(_, (_, other))| other == field);
-        found.map_or_else(|| field.to_string(), |(name, _)| name.clone())
-    }
-
     /// The last action of a person that moved the body and began by a time.
     pub(super) fn actions_before(&self, person: usize, time_s: f64) -> Option<usize> {
         let actions = self.actions.get(person)?.iter().rev();
         let mut begun = actions.filter(|(time, _)| *time <= time_s);
         begun.next().map(|(_, number)| *number)
-    }
-
-    /// What a name stands for, of those that `fits` takes.
-    pub(super) fn find<T>(
-        &self,
-        field: &Field,
-        name: &str,
-        what: &str,
-        fits: impl Fn(Thing) -> Option<T>,
-    ) -> Result<T, ConfigurationError> {
-        if let Some(found) = self.names.get(name).and_then(|(thing, _)| fits(*thing)) {
-            return Ok(found);
-        }
-        let known = self.names.iter().filter(|(_, (thing, _))| fits(*thing).is_some());
-        let known: Vec<&str> = known.map(|(name, _)| name.as_str()).collect();
-        let message = match self.names.get(name) {
-            Some((_, other)) => format!("`{name}` is {other}, not {what}"),
-            None => format!("there is no {what} `{name}`"),
-        };
-        Err(self.wrong(field, message, suggest(name, &known)))
-    }
-
-    /// Where something is that a direction names; `None` for degrees.
-    pub(super) fn target(
-        &self,
-        field: &Field,
-        direction: &RawDirection,
-    ) -> Result<Option<WorldPoint>, ConfigurationError> {
-        Ok(match direction {
-            RawDirection::Degrees(degrees) if degrees.is_finite() => None,
-            RawDirection::Degrees(_) => return Err(self.wrong(field, "is not finite", "give degrees")),
-            RawDirection::Floor([x, y]) => Some(self.point(field, [*x, *y, 1.0])?),
-            RawDirection::Place(place) => Some(self.point(field, *place)?),
-            RawDirection::Name(name) => {
-                Some(
-                    self.find(field, name, "person or thing at a place", |thing| match thing {
-                        Thing::Person(_, place) => place.map(|[x, y]| WorldPoint::new(x, y, 1.5)),
-                        Thing::Furniture(_, place) => Some(place),
-                        Thing::Sensor(place) | Thing::Noise(place) => place,
-                        Thing::Door(_) | Thing::Base(_) => None,
-                    })?,
-                )
-            }
-        })
     }
 
     pub(super) fn point(&self, field: &Field, place: [f64; 3]) -> Result<WorldPoint, ConfigurationError> {
@@ -418,29 +269,5 @@ impl Resolver {
     /// The seed of something of a name: it does not change when others are added.
     pub(super) fn seed_of(&self, role: &str, name: &str) -> u64 {
         derive(derive(self.seed, role, 0), name, 1)
-    }
-
-    fn good_name(&self, field: &Field, name: &str) -> Result<(), ConfigurationError> {
-        let bad = name
-            .chars()
-            .find(|&c| c.is_whitespace() || c.is_control() || "/\\,".contains(c));
-        let what = match bad {
-            None if !name.is_empty() && !name.starts_with('.') => return Ok(()),
-            None => format!("`{name}` is no name"),
-            Some(bad) => format!("the name `{name}` contains {bad:?}"),
-        };
-        Err(self.wrong(
-            field,
-            what,
-            "names become names of files: use letters, digits, `-` and `_`",
-        ))
-    }
-
-    /// The known word nearest to one that is not known, as a cure.
-    pub(super) fn did_you_mean(word: &str, known: &[&str]) -> String {
-        match nearest(word, known.iter().copied()) {
-            Some(candidate) => format!("did you mean `{candidate}`?"),
-            None => format!("known are {}", known.join(", ")),
-        }
     }
 }

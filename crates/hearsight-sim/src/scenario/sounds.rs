@@ -1,7 +1,8 @@
 //! Sounds that are not speech of people.
 
+use super::names::Thing;
 use super::raw::{RawNoise, RawScene};
-use super::resolve::{Resolver, Thing};
+use super::resolve::Resolver;
 use crate::world::{Noise, NoiseKind, NoiseLevel, NoisePlace};
 use hearsight_core::configuration::{ConfigurationError, Field};
 

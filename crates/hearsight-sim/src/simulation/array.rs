@@ -7,10 +7,10 @@ use hearsight_core::source::{AudioFormat, AudioSource, Delivery};
 use hearsight_core::{AudioBlock, Fault, FaultKind, Span, WorldPoint};
 use std::sync::Arc;
 
-/// Samples are made in blocks of this length, seconds; of arrays that move by commands in short ones, so that these are
-/// obeyed.
-const BLOCK_S: f64 = 0.48;
-const COMMANDED_BLOCK_S: f64 = 0.06;
+/// Samples a block: as many as a WAV file is read by, so that times of blocks are rounded alike.
+const BLOCK: usize = 2048;
+/// Of arrays that move by commands blocks are short, so that these are obeyed.
+const COMMANDED_BLOCK: usize = 512;
 
 /// Delivers the samples of one array.
 pub struct SimulatedArray {
@@ -27,11 +27,6 @@ impl SimulatedArray {
     pub(super) fn new(shared: &Arc<Shared>, number: usize, renderer: ArrayRenderer) -> Self {
         let device = &shared.world.arrays[number];
         let total = samples(device, shared.world.seconds);
-        let block_s = if device.base.is_some() {
-            COMMANDED_BLOCK_S
-        } else {
-            BLOCK_S
-        };
         Self {
             format: AudioFormat {
                 rate_hz: device.rate_hz,
@@ -40,7 +35,11 @@ impl SimulatedArray {
                 start: device.clock.declared(Span::ZERO),
                 live: false,
             },
-            block: ((block_s * f64::from(device.rate_hz)) as usize).max(1),
+            block: if device.base.is_some() {
+                COMMANDED_BLOCK
+            } else {
+                BLOCK
+            },
             total,
             made: 0,
             renderer,

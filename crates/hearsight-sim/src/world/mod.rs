@@ -10,6 +10,7 @@
 
 mod axis;
 mod character;
+mod controls;
 mod device;
 mod ease;
 mod figure;
@@ -26,9 +27,8 @@ mod walk;
 
 pub use axis::{Axis, AxisLimits};
 pub use character::Character;
-pub use device::{
-    ArrayDevice, Base, CameraDevice, Controls, Exposure, Mount, PanTiltZoom, SensorClock, UnknownDevice,
-};
+pub use controls::{Controls, UnknownDevice};
+pub use device::{ArrayDevice, Base, CameraDevice, Exposure, Mount, PanTiltZoom, SensorClock};
 pub(crate) use ease::wrap;
 pub use figure::Figure;
 pub use gaze::{Look, Target};

@@ -3,6 +3,7 @@
 use crate::common::world;
 use hearsight_core::command::{DeviceCommand, DeviceOrder};
 use hearsight_core::{Instant, WorldPoint};
+use hearsight_sim::simulation::Simulation;
 
 const ROOM: &str = r#"
 seconds = 20
@@ -135,4 +136,57 @@ fn commands_from_outside_change_what_follows_and_nothing_before() {
     assert!((y - (4.0 + radius * angle.sin())).abs() < 1e-9, "{y}");
     assert!(send(&mut controls, 12.0, "ring-1", turn).is_err());
     assert!(send(&mut controls, 12.0, "nobody", DeviceOrder::Stop).is_err());
+}
+
+#[test]
+fn a_camera_obeys_while_it_films() {
+    let text = r#"
+seconds = 2
+[room]
+size = [5, 4, 2.6]
+[[person]]
+at = [2.5, 2.8]
+[[camera]]
+name = "ptz"
+size = [96, 72]
+rate = 10
+at = [2.5, 0.3, 1.5]
+look_at = [2.5, 3, 1.3]
+head = { latency = 0.12 }
+"#;
+    let film = |order: Option<DeviceOrder>| {
+        let simulation = Simulation::new(world(text)).unwrap();
+        let mut camera = simulation.camera(0);
+        let mut pictures = Vec::new();
+        for frame in 0..20 {
+            if let (5, Some(order)) = (frame, order) {
+                let command = DeviceCommand {
+                    time: camera.time(frame),
+                    device: "ptz".to_owned(),
+                    order,
+                };
+                simulation.send(&command).unwrap();
+            }
+            pictures.push(camera.shoot().unwrap().1.clone());
+        }
+        assert!(camera.shoot().is_none());
+        pictures
+    };
+    let aim = DeviceOrder::Aim {
+        pan_rad: 0.4,
+        tilt_rad: 0.0,
+        zoom: 1.5,
+    };
+    let (still, moved) = (film(None), film(Some(aim)));
+    // The command of frame 5 (0.5 s) is obeyed from 0.62 s on.
+    for (number, (one, other)) in still.iter().zip(&moved).enumerate() {
+        assert_eq!(one == other, number <= 6, "frame {number}");
+    }
+    let head = |picture: &hearsight_sim::render::Picture| picture.sights[0].head.unwrap().whole;
+    let (before, after) = (head(&still[19]), head(&moved[19]));
+    // Turned to the left, the person moves to the right, and larger they are.
+    assert!(
+        after.left > before.left + 10.0 && after.height > 1.3 * before.height,
+        "{before:?} {after:?}"
+    );
 }

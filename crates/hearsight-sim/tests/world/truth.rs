@@ -59,7 +59,7 @@ fn heads_are_where_the_truth_says() {
     let mut cameras = [simulation.camera(0), simulation.camera(1)];
     let mut frame = VideoFrame::default();
     let mut faults = Vec::new();
-    let mut seen = [0, 0];
+    let (mut seen, mut spoken) = ([0, 0], 0);
     assert_eq!(simulation.ticks(), 12);
     for tick in 0..simulation.ticks() {
         let time = simulation.tick_time(tick);
@@ -73,12 +73,14 @@ fn heads_are_where_the_truth_says() {
         assert_eq!(record.people.len(), 3);
         assert!(!record.people[2].present && record.people[2].views.is_empty());
         assert_eq!(record.sounds[0].sounding, (0.5..1.0).contains(&record.time_s));
-        assert_eq!(
-            record.people[0].speaking,
-            (0.2..0.7).contains(&record.time_s),
+        // Speech begins and ends a little within its turn, and pauses are silence.
+        let speaking = record.people[0].speaking;
+        assert!(
+            !speaking || (0.2..0.7).contains(&record.time_s),
             "{}",
             record.time_s
         );
+        spoken += u32::from(speaking);
         for person in &record.people[..2] {
             let head = person.head_m.map(|[x, y, z]| WorldPoint::new(x, y, z)).unwrap();
             for view in &person.views {
@@ -109,6 +111,7 @@ fn heads_are_where_the_truth_says() {
     }
     assert_eq!(cameras[0].read(&mut frame, &mut faults), Delivery::End);
     assert!(seen[0] == 24 && seen[1] >= 6, "{seen:?}");
+    assert!(spoken >= 2, "{spoken}");
     assert!(faults.is_empty());
 }
 
