@@ -275,6 +275,13 @@ impl<const STATE: usize> UnscentedKalman<STATE> {
 }
 
 impl UnscentedScratch {
+    /// Buffers for measurements of up to `measured` numbers of a state of `dimensions`.
+    pub fn for_measurements(dimensions: usize, measured: usize) -> Self {
+        let mut scratch = Self::default();
+        scratch.resize(dimensions, 2 * dimensions + 1, measured);
+        scratch
+    }
+
     fn resize(&mut self, state: usize, points: usize, size: usize) {
         let fill = |buffer: &mut Vec<f64>, length: usize| {
             buffer.clear();

@@ -146,6 +146,8 @@ impl Viterbi {
         let states = transitions.states;
         self.passes = 0;
         self.nodes.clear();
+        // Ranges never outnumber the states.
+        self.nodes.reserve(states);
         self.add_node(transitions, emissions, lines, 0, states);
         loop {
             // The greatest bound of all; of equal ones the range that begins first.
@@ -233,7 +235,7 @@ impl Viterbi {
         high: usize,
     ) {
         let states = transitions.states;
-        self.predecessors.resize(states * lines, 0);
+        self.predecessors.resize(states * (lines + 1), 0);
         self.next.resize(states, 0.0);
         self.scores.clear();
         self.scores.resize(states, f64::NEG_INFINITY);

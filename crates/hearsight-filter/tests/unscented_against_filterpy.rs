@@ -71,7 +71,7 @@ fn every_number_is_that_of_filterpy() {
                 rms_velocity,
             };
             let langevin = langevin
-                .over(Span::from_seconds(1.0 / 15.0), LangevinIntegration::OldVelocity)
+                .over(Span::from_seconds(0.064), LangevinIntegration::OldVelocity)
                 .unwrap();
             step[(axis, axis + 3)] = langevin.position_from_velocity;
             step[(axis + 3, axis + 3)] = langevin.velocity_from_velocity;

@@ -5,7 +5,8 @@
 //! panic and never a wait without end.
 //!
 //! * [`VideoFile`] and [`AudioFile`] read anything that libav reads (files, V4L2, RTSP, RTP, MPEG-TS); WAV is read by
-//!   an own path that also knows what the header promised. [`ImageSequence`] reads numbered pictures.
+//!   an own path that also knows what the header promised. [`ImageSequence`] reads numbered pictures; [`StitchedVideo`]
+//!   makes one panorama of several cameras around one point.
 //! * [`LiveVideo`] and [`LiveAudio`] put a source behind a bounded queue that drops the oldest, or pace a recording
 //!   as if it were live.
 //! * [`ReconnectingVideo`] and [`ReconnectingAudio`] open a live source again where it was lost.
@@ -35,6 +36,7 @@ mod refusal;
 mod resample;
 mod samples;
 mod sound_writer;
+mod stitch;
 mod timeline;
 mod video_file;
 mod video_writer;
@@ -52,5 +54,6 @@ pub use live::{LiveAudio, LiveVideo, Pace, QueueOptions};
 pub use moments::{Camera, Microphones, MomentOptions, MomentReader};
 pub use reconnect::{ReconnectingAudio, ReconnectingVideo};
 pub use sound_writer::{SampleForm, SoundWriter};
+pub use stitch::{StitchError, StitchOptions, StitchedCamera, StitchedVideo};
 pub use video_file::{VideoCounts, VideoFile, VideoOptions};
 pub use video_writer::{VideoWriter, VideoWriterOptions};

@@ -2,11 +2,14 @@
 //!
 //! To add a system: its own file, its test, and one line in [`REGISTRY`].
 
+pub mod closed_loop;
+mod limits;
 mod parallel;
 pub mod stac;
 pub mod three_mics;
+mod views;
 
-pub use hearsight_tracking::system::{StateError, System};
+pub use hearsight_tracking::system::{Bars, StateError, System};
 
 use hearsight_core::room::Room;
 use serde_json::Value;
@@ -29,7 +32,7 @@ pub struct SystemInfo {
 type Build = fn(&Value, &Room, u64) -> Result<Box<dyn System>, SystemError>;
 
 /// Every system there is.
-pub const REGISTRY: &[SystemInfo] = &[stac::INFO, three_mics::INFO];
+pub const REGISTRY: &[SystemInfo] = &[stac::INFO, closed_loop::INFO, three_mics::INFO];
 
 /// Why a system could not be built.
 #[derive(Debug, thiserror::Error)]

@@ -1,6 +1,7 @@
 //! Beliefs: what is remembered of one person. All of it is saved state; scratch memory lives in the tracker.
 
 use crate::body::Part;
+use crate::closed_loop::LoopState;
 use crate::life_cycle::Encounter;
 use hearsight_core::{Instant, Rectangle, Span};
 use hearsight_filter::{Generator, Particles};
@@ -42,6 +43,8 @@ pub struct Belief {
     pub supported: Instant,
     /// For how long detections have supported it in all.
     pub support: Span,
+    /// Whether a face was ever among those detections.
+    pub face_seen: bool,
     /// Share of its body that changed from picture to picture, summed over the time of support, seconds.
     pub stirred_s: f64,
     /// Weighted mean of the particles, as a head box in the picture.
@@ -54,6 +57,8 @@ pub struct Belief {
     pub effective_sample_size: f64,
     /// Probability of speaking, 0 to 1.
     pub speaking: f64,
+    /// What the trackers of a closed loop remember, where a system has them.
+    pub trackers: Option<LoopState>,
 }
 
 /// Colour histograms of the parts of one person, each learnt when it was first seen well.

@@ -1,7 +1,7 @@
 //! What tracking systems are made of, in the order of the data's way.
 //!
 //! [`percepts`] are computed once from a moment; a [`body`] maps hypotheses to regions and sound points; [`cues`] score
-//! them; [`fusion`] turns scores into weights; [`stage`]s run a filter on a [`belief`]; the [`life_cycle`] decides who is
+//! them; [`fusion`] turns scores into weights; a [`closed_loop`] of trackers and a fuser proposes; [`stage`]s run a filter on a [`belief`]; the [`life_cycle`] decides who is
 //! born, hidden, gone and back; the [`speaker`] is decided over all tracks. A [`tracker`] does it for one view.
 //!
 //! Beside those of people there are beliefs of a [`sound`], which may belong to nobody, and of [`face`]s in one picture;
@@ -11,6 +11,7 @@
 
 pub mod belief;
 pub mod body;
+pub mod closed_loop;
 pub mod cues;
 pub mod face;
 pub mod fusion;

@@ -3,6 +3,7 @@
 
 use crate::belief::Belief;
 use crate::body::{Body, Part};
+use crate::closed_loop::Fuser;
 use crate::cues::{Cue, Evidence, Hypotheses, Subject};
 use crate::fusion::Fusion;
 use crate::percepts::{ArrayPercepts, CameraPercepts};
@@ -14,6 +15,18 @@ use hearsight_filter::{FilterError, NormalizationOutcome, Resampling};
 pub enum Stage {
     /// Draw hypotheses.
     Propose(Box<dyn Proposal>),
+    /// Draw hypotheses from what trackers with a memory of their own believe, let verifiers score them, and tell the
+    /// trackers what came of it.
+    Loop {
+        /// The trackers and what mixes them.
+        fuser: Box<Fuser>,
+        /// The verifiers, each a row of scores.
+        verifiers: Vec<Box<dyn Cue>>,
+        /// What makes weights of the rows.
+        fusion: Box<dyn Fusion>,
+        /// As in [`Stage::Weigh`].
+        hidden: f64,
+    },
     /// Let these cues score the hypotheses, and turn their scores into weights.
     Weigh {
         /// The cues, each a row of scores.
@@ -79,6 +92,16 @@ pub fn run(
                     sight.detections,
                     &mut belief.generator,
                 )?;
+            }
+            Stage::Loop {
+                fuser,
+                verifiers,
+                fusion,
+                hidden,
+            } => {
+                fuser.propose(belief, sight)?;
+                quarantined += weigh(verifiers, fusion.as_ref(), *hidden, belief, sight, scratch)?;
+                fuser.close(belief, sight)?;
             }
             Stage::Weigh { cues, fusion, hidden } => {
                 quarantined += weigh(cues, fusion.as_ref(), *hidden, belief, sight, scratch)?;

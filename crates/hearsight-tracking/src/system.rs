@@ -3,6 +3,15 @@
 use hearsight_core::{Moment, record::Scene};
 use std::time::Duration;
 
+/// Columns of a picture that the overlay marks, pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bars {
+    /// Where sound alone says that somebody speaks.
+    pub sound: Option<f32>,
+    /// Where the fused result says so.
+    pub fused: Option<f32>,
+}
+
 /// A complete tracking system, ready to run.
 ///
 /// The same moments in the same order give the same scenes, whatever the number of threads. A system that was saved
@@ -36,6 +45,11 @@ pub trait System: Send {
     /// What this system cannot do in this room, each with its reason and cure: for people who expect it. Default nothing.
     fn warnings(&self) -> &[String] {
         &[]
+    }
+
+    /// Columns to mark in the picture of `camera`; none unless a system has them.
+    fn bars(&self, _camera: usize) -> Bars {
+        Bars::default()
     }
 
     /// Numbers that were not finite and were set aside since the start.

@@ -10,6 +10,7 @@ pub use restore::MOST_NUMBERED;
 
 use crate::belief::{Appearance, Belief, Existence, Portrait};
 use crate::body::{Body, Part};
+use crate::closed_loop::Verdict;
 use crate::life_cycle::{
     Association, AssociationSettings, BirthSettings, EncounterSettings, ExclusionSettings, ExistenceSettings,
     Memory, ReEntrySettings, Situation, bodies, body_part_rate, covers, is_clear_of_edges, is_nearer,
@@ -390,10 +391,14 @@ impl ViewTracker {
             Situation::Leaving
         } else if belief.occluded {
             Situation::Occluded
-        } else if camera.change_share(&belief.head).is_none_or(|share| share >= 0.5) {
-            Situation::Present
-        } else {
+        } else if camera.change_share(&belief.head).is_some_and(|share| share < 0.5) {
             Situation::Absent
+        } else {
+            match belief.trackers.as_ref().map(|trackers| trackers.verdict) {
+                None | Some(Verdict::Open) => Situation::Present,
+                Some(Verdict::Verified) => Situation::Verified,
+                Some(Verdict::Refuted) => Situation::Refuted,
+            }
         };
         belief.existence.add(log_ratio(
             situation,
@@ -402,6 +407,7 @@ impl ViewTracker {
         ));
         if let Some(detection) = detection {
             belief.supported = now;
+            belief.face_seen |= self.faces[detection];
             belief.support = belief.support + elapsed;
             let body = body_bounds(&belief.head);
             let stirred = camera.stirred_share(&body).unwrap_or(0.0);
@@ -557,10 +563,16 @@ impl ViewTracker {
             let mut random = generator(self.composition.seed, &self.composition.role, belief_number);
             let mut particles =
                 Particles::new(self.composition.body.dimensions(), self.composition.particles)?;
-            let mut mean = [0.0; 4];
-            self.composition.body.state_from_head(&detection, &mut mean);
-            let deviation = [0.15, 0.15, 0.08, 0.08].map(|share| f64::from(share * detection.width));
-            particles.draw_gaussian(&mean.map(f64::from), &deviation, &mut random)?;
+            let (mut mean, mut deviation) = ([0.0; MOST_DIMENSIONS], [0.0; MOST_DIMENSIONS]);
+            let dimensions = self.composition.body.dimensions().min(MOST_DIMENSIONS);
+            self.composition
+                .body
+                .state_from_head(&detection, &mut mean[..dimensions]);
+            self.composition
+                .body
+                .first_deviations(&detection, &mut deviation[..dimensions]);
+            let mean = mean.map(f64::from);
+            particles.draw_gaussian(&mean[..dimensions], &deviation[..dimensions], &mut random)?;
             let mut appearance = Appearance::default();
             for part in Part::ALL {
                 if let Some(histogram) = self.appearances[number].part(part) {
@@ -569,6 +581,7 @@ impl ViewTracker {
             }
             let mut belief = newborn(belief_number, particles, random, detection, now);
             belief.appearance = appearance;
+            belief.face_seen = self.faces[number];
             self.state.beliefs.push(belief);
         }
         Ok(())
@@ -595,11 +608,13 @@ fn newborn(number: u64, particles: Particles, generator: Generator, head: Rectan
         born: now,
         supported: now,
         support: Span::ZERO,
+        face_seen: false,
         stirred_s: 0.0,
         head,
         velocity_px_s: [0.0; 2],
         deviation: [0.0; 2],
         speaking: 0.0,
+        trackers: None,
     }
 }
 
@@ -632,6 +647,9 @@ fn counted(before_s: f64, rate: f64, elapsed: Span) -> f64 {
     };
     (before_s + change_s).max(0.0)
 }
+
+/// Longest state of a body.
+const MOST_DIMENSIONS: usize = 8;
 
 /// Pictures in which clothing must have been seen before somebody unknown is looked at once more.
 const LEAST_SIGHTS: u32 = 5;

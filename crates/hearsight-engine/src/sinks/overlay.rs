@@ -5,6 +5,7 @@ use crate::summary::Summary;
 use hearsight_core::record::{TrackPhase, TrackRecord, ViewRecord};
 use hearsight_core::{Rectangle, RgbView};
 use hearsight_media::{Canvas, VideoWriter, VideoWriterOptions, identity_color};
+use hearsight_systems::Bars;
 use std::path::PathBuf;
 
 pub(super) const INFO: SinkInfo = SinkInfo {
@@ -62,6 +63,7 @@ impl Sink for Overlay {
             self.rgb.clone_from(&frame.rgb);
             if let Some(mut canvas) = Canvas::new(frame.width, frame.height, &mut self.rgb) {
                 draw_strip(&mut canvas, tick.system.correlation_strip(number));
+                draw_bars(&mut canvas, tick.system.bars(number));
                 for track in &tick.scene.tracks {
                     for view in track.views.iter().filter(|view| view.camera == video.camera) {
                         draw_head(&mut canvas, track, view);
@@ -99,6 +101,16 @@ fn draw_strip(canvas: &mut Canvas<'_>, strip: &[f32]) {
     let area = Rectangle::new(0.0, height * (1.0 - STRIP_PART), width, height * STRIP_PART);
     canvas.fill(&area, [0, 0, 0], 0.6);
     canvas.strip(&area, strip, (0.0, 1.0), [120, 230, 120]);
+}
+
+/// What sound alone says in red, what all together say in green (Chen and Rui, figure 5).
+fn draw_bars(canvas: &mut Canvas<'_>, bars: Bars) {
+    let height = canvas.height() as f32;
+    for (column, color) in [(bars.sound, [230, 40, 40]), (bars.fused, [40, 210, 60])] {
+        if let Some(column) = column {
+            canvas.line((column, 0.0), (column, height), 2.0, color);
+        }
+    }
 }
 
 /// A head with its number; dashed corners where it is hidden, a mark beside it where it speaks.

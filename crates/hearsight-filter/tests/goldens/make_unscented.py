@@ -14,7 +14,7 @@ import numpy as np
 from filterpy.kalman import MerweScaledSigmaPoints, UnscentedKalmanFilter
 
 LINES = 12
-TAU = 1 / 15
+TAU = 0.064  # whole nanoseconds, as the clock counts
 ASPECT = 1.2
 
 

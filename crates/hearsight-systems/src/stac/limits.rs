@@ -1,39 +1,17 @@
-//! The range of every number among the parameters, checked before anything is built of them.
-//!
-//! One table: a test walks all parameters, so that none can be without its line. Ranges keep time and memory bounded and
-//! leave every sensible value in.
+//! Ranges of the parameters that are stac's own.
 
 use super::INFO;
 use crate::SystemError;
+use crate::limits::{COMMON, Limit, check as check_by, share};
 use serde_json::Value;
 
-/// A parameter by its path, its least and its greatest value.
-type Limit = (&'static str, f64, f64);
-
-/// A share or a probability.
-const fn share(path: &'static str) -> Limit {
-    (path, 0.0, 1.0)
-}
-
-/// A time in seconds, up to an hour.
-const fn seconds(path: &'static str) -> Limit {
-    (path, 0.0, 3600.0)
-}
-
-const LIMITS: &[Limit] = &[
+const OWN: &[Limit] = &[
     share("anywhere"),
-    ("particles", 1.0, 20_000.0),
     ("transition.position", 0.0, 100.0),
     ("transition.size", 0.0, 10.0),
     share("detected.share"),
     ("detected.position", 0.0, 10.0),
     ("detected.size", 0.0, 10.0),
-    ("hidden", -1000.0, 0.0),
-    ("body.head_height_m", 0.01, 10.0),
-    share("body.mouth_share"),
-    ("body.torso_width", 0.1, 10.0),
-    ("body.torso_height", 0.1, 10.0),
-    ("body.neck", -1.0, 5.0),
     ("head_colour.sigma", 0.001, 1000.0),
     ("head_colour.floor", -1000.0, 0.0),
     ("head_colour.exponent", 0.0, 100.0),
@@ -49,117 +27,6 @@ const LIMITS: &[Limit] = &[
     ("sound.sigma", 0.001, 1000.0),
     ("sound.floor", -1000.0, 0.0),
     ("sound.exponent", 0.0, 100.0),
-    ("vision.background.threshold", 0.0, 255.0),
-    ("vision.background.clean.median", 1.0, 15.0),
-    ("vision.background.clean.dilation_width", 1.0, 127.0),
-    ("vision.background.clean.dilation_height", 1.0, 127.0),
-    ("vision.background.background_rate", 0.0, 10_000.0),
-    ("vision.background.foreground_rate", 0.0, 10_000.0),
-    ("vision.background.learning_secs", 0.0, 600.0),
-    ("vision.background.learning_pictures", 1.0, 31.0),
-    ("vision.background.largest_gain", 1.0, 8.0),
-    share("vision.background.darkest_shadow"),
-    ("vision.background.brightest_highlight", 1.0, 4.0),
-    ("vision.background.shadow_colour", 0.0, 255.0),
-    ("vision.background.ghost_secs", 0.0, 60.0),
-    ("vision.background.ghost_pixels", 0.0, u32::MAX as f64),
-    ("vision.background.ghost_contrast", 1.0, 1e6),
-    ("vision.heads.smallest_px", 4.0, 10_000.0),
-    share("vision.heads.widest_share"),
-    ("vision.heads.step", 1.02, 10.0),
-    ("vision.heads.aspect", 0.2, 5.0),
-    share("vision.heads.least_score"),
-    ("vision.heads.most", 1.0, 1000.0),
-    seconds("vision.faces.period_s"),
-    ("vision.faces.smallest_px", 1.0, 10_000.0),
-    ("vision.faces.neighbours", 0.0, 1e6),
-    share("vision.faces.changed"),
-    ("vision.histogram.red", 1.0, 40.0),
-    ("vision.histogram.green", 1.0, 40.0),
-    ("vision.histogram.blue", 1.0, 40.0),
-    ("vision.histogram.pixels", 16.0, u32::MAX as f64),
-    ("audio.frame_s", 0.01, 1.0),
-    ("audio.hop_s", 0.001, 1.0),
-    ("audio.direction.frame_s", 0.005, 1.0),
-    ("audio.direction.low_hz", 0.0, 24_000.0),
-    share("audio.direction.clarity"),
-    ("audio.direction.sound_db", -100.0, 200.0),
-    ("audio.direction.silence_db", -100.0, 200.0),
-    ("audio.direction.room.reverberation_s", 0.01, 60.0),
-    ("audio.direction.room.early_s", 0.001, 1.0),
-    share("audio.weighting.noise_regularized.gamma"),
-    share("audio.weighting.maximum_likelihood.reverberation"),
-    ("audio.agreement.tolerance", 0.001, 100.0),
-    share("audio.agreement.floor"),
-    ("audio.noise.smoothing_s", 0.001, 60.0),
-    ("audio.noise.window_s", 0.01, 3600.0),
-    seconds("audio.noise.start_s"),
-    ("audio.noise.first_power", 1e-12, 1.0),
-    ("audio.noise.rise_db_s", 0.01, 1000.0),
-    ("audio.onset.threshold_db", -20.0, 60.0),
-    ("audio.onset.frames", 1.0, 1e6),
-    ("audio.onset.null_frames", 1.0, 1e6),
-    ("audio.activity.on_db", -100.0, 200.0),
-    ("audio.activity.off_db", -100.0, 200.0),
-    seconds("audio.activity.hangover_s"),
-    ("audio.activity.slope", 0.001, 100.0),
-    ("audio.activity.limit", 0.001, 100.0),
-    ("audio.activity.independence_s", 0.001, 3600.0),
-    ("audio.activity.mean_speech_s", 0.001, 3600.0),
-    ("audio.activity.mean_pause_s", 0.001, 3600.0),
-    ("momentum.settle_s", 0.001, 3600.0),
-    ("momentum.keep_s", 0.001, 3600.0),
-    ("association.position", 0.01, 100.0),
-    ("association.size", 0.01, 100.0),
-    ("association.colour", 0.001, 1000.0),
-    ("association.gate", 0.0, 10_000.0),
-    ("association.hidden", 0.0, 10_000.0),
-    share("association.torso"),
-    seconds("birth.support_s"),
-    share("birth.probability"),
-    share("birth.stirred"),
-    share("birth.torso_inside"),
-    seconds("birth.patience_s"),
-    share("birth.talking"),
-    ("birth.score", -10.0, 10.0),
-    share("birth.crowded"),
-    ("birth.margin", -10.0, 10.0),
-    ("birth.most_scouts", 0.0, 100.0),
-    ("existence.detected", 0.0, 1000.0),
-    ("existence.present", -1000.0, 0.0),
-    ("existence.occluded", -1000.0, 0.0),
-    ("existence.leaving", -1000.0, 0.0),
-    ("existence.absent", -1000.0, 0.0),
-    ("existence.outside", -1000.0, 0.0),
-    ("existence.least", 0.0, 0.5),
-    share("exclusion.overlap"),
-    seconds("exclusion.patience_s"),
-    seconds("exclusion.body_part_s"),
-    seconds("exclusion.hidden_s"),
-    seconds("exclusion.fresh_s"),
-    seconds("encounter.apart_s"),
-    ("encounter.margin", -10.0, 10.0),
-    ("encounter.stranger", 0.0, 10.0),
-    share("re_entry.first.distance"),
-    share("re_entry.first.margin"),
-    share("re_entry.second.distance"),
-    share("re_entry.second.margin"),
-    share("re_entry.torso"),
-    ("re_entry.remember_s", 0.0, 1e7),
-    seconds("re_entry.least_s"),
-    seconds("re_entry.second_look_s"),
-    seconds("re_entry.together_s"),
-    ("re_entry.looks", 0.0, 1000.0),
-    ("appearance.memory_s", 0.001, 3600.0),
-    share("appearance.inside"),
-    ("speaker.tolerance_s", 0.0, 0.1),
-    ("speaker.turn_s", 0.001, 3600.0),
-    ("speaker.pause_s", 0.001, 3600.0),
-    ("speaker.silence", 0.0, 1000.0),
-    ("speaker.unseen", 0.0, 1000.0),
-    ("speaker.wander", 0.0, 100.0),
-    ("speaker.claim_s", 0.001, 3600.0),
-    share("speaker.least"),
 ];
 
 /// Checks the numbers of parameters written as JSON, where one that is not finite is null.
@@ -167,103 +34,24 @@ const LIMITS: &[Limit] = &[
 /// # Errors
 /// [`SystemError::Range`] for the first that is out of its range.
 pub(super) fn check(parameters: &Value) -> Result<(), SystemError> {
-    let mut path = String::new();
-    check_part(parameters, &mut path)
-}
-
-fn check_part(value: &Value, path: &mut String) -> Result<(), SystemError> {
-    match value {
-        Value::Object(table) => {
-            for (key, value) in table {
-                let length = path.len();
-                if !path.is_empty() {
-                    path.push('.');
-                }
-                path.push_str(key);
-                check_part(value, path)?;
-                path.truncate(length);
-            }
-            Ok(())
-        }
-        Value::Null => check_number(f64::NAN, path),
-        Value::Number(number) => check_number(number.as_f64().unwrap_or(f64::NAN), path),
-        _ => Ok(()),
-    }
-}
-
-fn check_number(value: f64, path: &str) -> Result<(), SystemError> {
-    let limit = LIMITS.iter().find(|(known, ..)| *known == path);
-    let &(_, least, greatest) = limit.unwrap_or(&("", f64::MIN, f64::MAX));
-    // Parameters of 32 bits are a little off the number that was written.
-    let slack = 1e-6 * least.abs().max(greatest.abs().min(1.0));
-    if value >= least - slack && value <= greatest + slack {
-        return Ok(());
-    }
-    Err(SystemError::Range {
-        system: INFO.name,
-        parameter: path.to_owned(),
-        value,
-        least,
-        greatest,
-    })
+    check_by(INFO.name, &[OWN, COMMON], parameters)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::limits::testing;
     use crate::stac::Parameters;
-    use serde_json::json;
-
-    fn walk(value: &Value, path: &str, each: &mut impl FnMut(&str, f64)) {
-        match value {
-            Value::Object(table) => {
-                for (key, value) in table {
-                    let dot = if path.is_empty() { "" } else { "." };
-                    walk(value, &format!("{path}{dot}{key}"), each);
-                }
-            }
-            Value::Number(number) => each(path, number.as_f64().unwrap()),
-            _ => {}
-        }
-    }
 
     #[test]
     fn every_number_has_a_range_around_its_default() {
-        let parameters = serde_json::to_value(Parameters::default()).unwrap();
-        check(&parameters).unwrap();
-        let mut seen = Vec::new();
-        walk(&parameters, "", &mut |path, value| {
-            let limit = LIMITS.iter().find(|(known, ..)| *known == path);
-            let (_, least, greatest) = limit.unwrap_or_else(|| panic!("{path} has no range in this table"));
-            assert!(least < greatest && (least..=greatest).contains(&&value), "{path}");
-            seen.push(path.to_owned());
-        });
-        for (path, ..) in LIMITS {
-            let is_choice = path.starts_with("audio.weighting.");
-            assert!(
-                is_choice || seen.iter().any(|known| known == path),
-                "{path} is no parameter"
-            );
-        }
+        let defaults = serde_json::to_value(Parameters::default()).unwrap();
+        testing::every_number_has_a_range(&[OWN, COMMON], &defaults, "audio.weighting.");
     }
 
     #[test]
     fn each_end_is_allowed_and_nothing_beyond_it() {
-        for (path, least, greatest) in LIMITS {
-            for (value, holds) in [
-                (*least, true),
-                (*greatest, true),
-                (least - 0.1 - 0.1 * least.abs(), false),
-                (greatest + 0.1 + 0.1 * greatest.abs(), false),
-            ] {
-                let nested = path
-                    .rsplit('.')
-                    .fold(json!(value), |inner, key| json!({ key: inner }));
-                let error = check(&nested).err().map(|error| error.to_string());
-                assert_eq!(error.is_none(), holds, "{path} = {value}: {error:?}");
-                assert!(error.is_none_or(|error| error.contains(path)));
-            }
-        }
+        testing::each_end_is_allowed_and_nothing_beyond(&[OWN, COMMON]);
     }
 
     #[test]

@@ -78,6 +78,11 @@ impl HeadBox {
         known.then(|| Rectangle::from_centre(x, y, height / HEIGHT_OVER_WIDTH, height))
     }
 
+    /// Whether it can tell where sound comes from.
+    pub(super) fn is_calibrated(&self) -> bool {
+        self.camera.is_some()
+    }
+
     fn part(&self, x: f32, y: f32, width: f32, height: f32, part: Part) -> Rectangle {
         match part {
             Part::Head => Rectangle::from_centre(x, y, width, height),

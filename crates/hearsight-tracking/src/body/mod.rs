@@ -3,8 +3,10 @@
 //! Cues never see states, so the same cue serves systems that think in pictures and systems that think in metres.
 
 mod head_box;
+mod upright_ellipse;
 
 pub use head_box::{HeadBox, HeadBoxSettings};
+pub use upright_ellipse::{ASPECT, UprightEllipse};
 
 use hearsight_core::{Rectangle, WorldPoint};
 use hearsight_filter::Particles;
@@ -50,6 +52,14 @@ pub trait Body: Send + Sync {
 
     /// The state of a person whose head fills this box.
     fn state_from_head(&self, head: &Rectangle, state: &mut [f32]);
+
+    /// How unsure each dimension of a state is that was made from a detected head: standard deviations, as many as there is
+    /// room for.
+    fn first_deviations(&self, head: &Rectangle, deviations: &mut [f64]) {
+        for (deviation, share) in deviations.iter_mut().zip([0.15_f32, 0.15, 0.08, 0.08]) {
+            *deviation = f64::from(share * head.width);
+        }
+    }
 
     /// The head of a state, as a box in the picture.
     fn head_from_state(&self, state: &[f32]) -> Rectangle {

@@ -4,10 +4,16 @@
 //! file, its test, and one line in [`REGISTRY`].
 
 mod colour;
+mod contour;
+mod contrast;
+mod curve;
 mod motion;
 mod sound;
 
 pub use colour::ColourCue;
+pub use contour::ContourCue;
+pub use contrast::ContrastCue;
+pub use curve::{CurveCue, CurveGeometry};
 pub use motion::{MotionCue, MotionSettings};
 pub use sound::SoundCue;
 
@@ -34,7 +40,14 @@ pub struct CueInfo {
 }
 
 /// Every cue there is.
-pub const REGISTRY: &[&CueInfo] = &[&colour::INFO, &motion::INFO, &sound::INFO];
+pub const REGISTRY: &[&CueInfo] = &[
+    &colour::INFO,
+    &contour::INFO,
+    &contrast::INFO,
+    &curve::INFO,
+    &motion::INFO,
+    &sound::INFO,
+];
 
 /// What a cue scores hypotheses by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,6 +14,8 @@ pub enum Calibration {
     },
     /// The raw score is a likelihood already.
     Likelihood,
+    /// The raw score is the logarithm of a likelihood.
+    Logarithm,
     /// exp(-(1 - R)^2 / (2 sigma^2)) of a normalized correlation R (stac, eq. 8, corrected by E4).
     Correlation {
         /// sigma_A, above 0.
@@ -32,6 +34,7 @@ impl Calibration {
         match self {
             Self::Distance { sigma } => -(score / sigma).powi(2),
             Self::Likelihood => score.ln(),
+            Self::Logarithm => score,
             Self::Correlation { sigma } => -0.5 * ((1.0 - score) / sigma).powi(2),
             Self::PrintedCorrelation { sigma } => -0.5 * (score / sigma).powi(2),
         }

@@ -60,6 +60,13 @@ impl Association {
         appearances: &[Appearance],
         settings: &AssociationSettings,
     ) -> Result<(), FilterError> {
+        if detections.is_empty() {
+            // Nothing to assign, which needs no memory of its own.
+            self.assignment.column_of_row.clear();
+            self.assignment.column_of_row.resize(beliefs.len(), None);
+            self.assignment.row_of_column.clear();
+            return Ok(());
+        }
         self.costs.clear();
         for belief in beliefs {
             for (detection, appearance) in detections.iter().zip(appearances) {

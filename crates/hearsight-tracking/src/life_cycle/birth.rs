@@ -37,6 +37,8 @@ pub struct BirthSettings {
     /// Distance of a head from the picture's left and right edge at which it can start a scout, head widths. Default
     /// 0.3. Nearer to the edge an arm or a half of a body looks like a head.
     pub margin: f32,
+    /// Whether a face alone makes a person, without movement, further support or a torso. Default false.
+    pub face_suffices: bool,
     /// Most scouts at a time. Default 6.
     pub most_scouts: usize,
 }
@@ -53,6 +55,7 @@ impl Default for BirthSettings {
             score: 0.45,
             crowded: 0.15,
             margin: 0.3,
+            face_suffices: false,
             most_scouts: 6,
         }
     }
@@ -98,9 +101,10 @@ pub(crate) fn may_publish(
     settings: &BirthSettings,
 ) -> bool {
     let talks = belief.speaking >= settings.talking && belief.existence.probability() > 0.5;
+    let likely = belief.existence.probability() >= settings.probability;
     let held = belief.support.seconds() >= settings.support_s
-        && belief.existence.probability() >= settings.probability
+        && likely
         && belief.stirred_s >= f64::from(settings.stirred) * belief.support.seconds()
         && (torso_inside >= settings.torso_inside || (now - belief.born).seconds() >= settings.patience_s);
-    held || talks
+    held || talks || (likely && settings.face_suffices && belief.face_seen)
 }

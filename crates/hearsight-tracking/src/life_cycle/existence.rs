@@ -8,6 +8,10 @@ use serde::{Deserialize, Serialize};
 pub(crate) enum Situation {
     /// A detection belongs to them.
     Detected,
+    /// Not detected, but verifiers agree that a head is there.
+    Verified,
+    /// Not detected, and verifiers agree that no head of theirs is there.
+    Refuted,
     /// Not detected, but something changed where they are.
     Present,
     /// Not detected, and somebody nearer covers them.
@@ -29,6 +33,10 @@ pub struct ExistenceSettings {
     /// While not detected though something is there, not positive. Default -3. Raising it to 0 keeps people who sit
     /// still, and ghosts.
     pub present: f64,
+    /// While not detected but verified by outline and colours, where a system does so. Default 3.
+    pub verified: f64,
+    /// While refuted by them, negative. Default -3.
+    pub refuted: f64,
     /// While hidden behind another, not positive. Default -1.2: given up after about five seconds.
     pub occluded: f64,
     /// While not detected at the left or right edge of the picture, negative. Default -20.
@@ -46,6 +54,8 @@ impl Default for ExistenceSettings {
         Self {
             detected: 20.0,
             present: -3.0,
+            verified: 3.0,
+            refuted: -3.0,
             occluded: -1.2,
             leaving: -20.0,
             absent: -15.0,
@@ -60,6 +70,8 @@ pub(crate) fn log_ratio(situation: Situation, seconds: f64, settings: &Existence
     let rate = match situation {
         Situation::Detected => settings.detected,
         Situation::Present => settings.present,
+        Situation::Verified => settings.verified,
+        Situation::Refuted => settings.refuted,
         Situation::Occluded => settings.occluded,
         Situation::Leaving => settings.leaving,
         Situation::Absent => settings.absent,

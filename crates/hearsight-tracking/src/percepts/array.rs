@@ -161,7 +161,7 @@ impl ArrayPercepts {
         };
         settings.check()?;
         let distance_m = first.distance_m(second);
-        if !(distance_m <= FARTHEST_M) {
+        if distance_m.is_nan() || distance_m > FARTHEST_M {
             return Err(AudioError::Setting {
                 name: "microphones",
                 rule: "within 60 m of each other",
@@ -309,6 +309,11 @@ impl ArrayPercepts {
     /// Whether there is a frame in this moment whose correlation the sound cue may use.
     pub fn has_onset(&self) -> bool {
         self.engine.onset_frames > 0
+    }
+
+    /// Whether a frame of this moment holds sound above the room's noise.
+    pub fn has_sound(&self) -> bool {
+        self.direction().sound_s() > 0.0
     }
 
     /// Height of the normalized correlation at a delay, 0 to 1 (R_n, stac, eq. 8 corrected).

@@ -5,6 +5,8 @@ use hearsight_core::{Mask, Rectangle, RgbView, Span, VideoFrame};
 use hearsight_vision::VisionError;
 use hearsight_vision::background::{BackgroundModel, BackgroundOptions, BackgroundState};
 use hearsight_vision::change::{ChangeDetector, ChangeOptions};
+use hearsight_vision::contour::GradientPicture;
+use hearsight_vision::contrast::{ContrastOptions, ContrastPicture, ContrastScratch};
 use hearsight_vision::histogram::{BinPicture, Histogram, HistogramOptions, HistogramScratch, Similarity};
 use hearsight_vision::mask::CleanOptions;
 use hearsight_vision::silhouette::{Head, HeadFinder, HeadSearch};
@@ -25,6 +27,12 @@ pub struct CameraSettings {
     pub faces: FaceSettings,
     /// How colours are binned.
     pub histogram: HistogramOptions,
+    /// Whether change is looked for, and heads on its outlines. Default true; without it people are born from faces alone.
+    pub changes: bool,
+    /// Whether outlines and the contrast of objects are looked at. Default false.
+    pub outlines: bool,
+    /// How an object is compared with what is around it, where outlines are looked at.
+    pub contrast: ContrastOptions,
 }
 
 impl Default for CameraSettings {
@@ -42,6 +50,9 @@ impl Default for CameraSettings {
             heads: HeadSearch::default(),
             faces: FaceSettings::default(),
             histogram: HistogramOptions::default(),
+            changes: true,
+            outlines: false,
+            contrast: ContrastOptions::default(),
         }
     }
 }
@@ -81,6 +92,8 @@ pub struct CameraPercepts {
     detections: Vec<Detection>,
     faces: FaceSearch,
     bins: BinPicture,
+    gradients: GradientPicture,
+    contrast: ContrastPicture,
     scratch: RefCell<Scratch>,
     unreadable: u64,
 }
@@ -89,6 +102,7 @@ pub struct CameraPercepts {
 struct Scratch {
     histogram: HistogramScratch,
     scores: Vec<Similarity>,
+    contrast: ContrastScratch,
 }
 
 impl CameraPercepts {
@@ -111,6 +125,8 @@ impl CameraPercepts {
             background: BackgroundModel::new(settings.background)?,
             stir: ChangeDetector::new(stir)?,
             bins: BinPicture::new(settings.histogram)?,
+            gradients: GradientPicture::default(),
+            contrast: ContrastPicture::new(settings.contrast)?,
             settings,
             state: CameraState::default(),
             change: Mask::default(),
@@ -142,7 +158,9 @@ impl CameraPercepts {
         let (width, height) = state.size;
         let bytes = width.saturating_mul(height).saturating_mul(3);
         let size = state.background.size();
-        if state.previous.len() == bytes && (size == state.size || state.background.is_empty()) {
+        // Where change is not looked for nothing is kept to compare with.
+        let kept = state.previous.is_empty() || state.previous.len() == bytes;
+        if kept && (size == state.size || state.background.is_empty()) {
             return Ok(());
         }
         Err(VisionError::Parameter {
@@ -166,6 +184,33 @@ impl CameraPercepts {
     /// Takes in a new picture.
     pub fn see(&mut self, frame: &VideoFrame) {
         let picture = frame.rgb_view();
+        let size = (frame.width, frame.height);
+        self.heads.clear();
+        if self.settings.changes {
+            self.look_for_changes(frame);
+        }
+        self.detections.clear();
+        self.detections.extend(self.heads.iter().map(|head| Detection {
+            region: head.region,
+            score: head.score,
+            is_face: false,
+        }));
+        if self.faces.is_due(frame.time, self.state.last_faces) {
+            self.state.last_faces = Some(frame.time);
+            self.add_faces(frame);
+        }
+        self.bins.compute(picture);
+        if self.settings.outlines {
+            self.gradients.compute(picture);
+            self.contrast.compute(picture);
+        }
+        self.state.size = size;
+        self.state.last = Some(frame.time);
+    }
+
+    /// Compares with the room without people and with the picture before, and finds heads on what differs.
+    fn look_for_changes(&mut self, frame: &VideoFrame) {
+        let picture = frame.rgb_view();
         let elapsed = self.state.last.map_or(Span::ZERO, |last| frame.time - last);
         let size = (frame.width, frame.height);
         let seen = self.background.step(picture, elapsed, &mut self.change).is_ok();
@@ -183,19 +228,6 @@ impl CameraPercepts {
         self.stirred_share.load(&self.stirred);
         self.changed_share
             .find(&self.change, &self.settings.heads, &mut self.heads);
-        self.detections.clear();
-        self.detections.extend(self.heads.iter().map(|head| Detection {
-            region: head.region,
-            score: head.score,
-            is_face: false,
-        }));
-        if self.faces.is_due(frame.time, self.state.last_faces) {
-            self.state.last_faces = Some(frame.time);
-            self.add_faces(frame);
-        }
-        self.bins.compute(picture);
-        self.state.size = size;
-        self.state.last = Some(frame.time);
         self.state.previous.clear();
         self.state.previous.extend_from_slice(picture.data);
     }
@@ -203,7 +235,11 @@ impl CameraPercepts {
     /// Adds the heads around faces; one that the outline of a body gave already is marked as a face.
     fn add_faces(&mut self, frame: &VideoFrame) {
         let (changed, detections) = (&self.changed_share, &mut self.detections);
-        let least = self.settings.faces.changed;
+        let least = if self.settings.changes {
+            self.settings.faces.changed
+        } else {
+            0.0
+        };
         self.faces.search(frame.luma_view(), |head| {
             if changed.fraction(&head).unwrap_or(0.0) < least {
                 return;
@@ -252,14 +288,40 @@ impl CameraPercepts {
         &self.change
     }
 
-    /// Share of a region that differs from the background, 0 to 1; `None` where too little of it is in the picture.
+    /// Share of a region that differs from the background, 0 to 1; `None` where too little of it is in the picture, and
+    /// where change is not looked for.
     pub fn change_share(&self, region: &Rectangle) -> Option<f32> {
-        self.changed_share.fraction(region)
+        self.changed_share
+            .fraction(region)
+            .filter(|_| self.settings.changes)
     }
 
     /// Share of a region that changed since the picture before, 0 to 1; `None` as above.
     pub fn stirred_share(&self, region: &Rectangle) -> Option<f32> {
-        self.stirred_share.fraction(region)
+        self.stirred_share
+            .fraction(region)
+            .filter(|_| self.settings.changes)
+    }
+
+    /// The bins of the newest picture's colours.
+    pub fn bins(&self) -> &BinPicture {
+        &self.bins
+    }
+
+    /// The gradients of the newest picture; none where outlines are not looked at or there was no picture.
+    pub fn gradients(&self) -> Option<&GradientPicture> {
+        (self.settings.outlines && self.state.size != (0, 0)).then_some(&self.gradients)
+    }
+
+    /// Writes how like its surroundings each ellipse is (Bhattacharyya coefficient, 0 to 1) into `scores`; false, changing
+    /// nothing, where outlines are not looked at or there was no picture.
+    pub fn contrasts(&self, ellipses: &[Rectangle], scores: &mut [f32]) -> bool {
+        if !self.settings.outlines || self.state.size == (0, 0) || ellipses.len() != scores.len() {
+            return false;
+        }
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.contrast.score(ellipses, &mut scratch.contrast, scores);
+        true
     }
 
     /// The colours inside the ellipse of a region; returns the share of it inside the picture, 0 to 1.

@@ -15,4 +15,7 @@ pub use camera::{CameraPercepts, CameraSettings, CameraState, Detection};
 pub use direction::{DirectionPercept, DirectionSettings, DirectionState};
 pub use face_windows::{FaceWindow, FaceWindowPercepts, FaceWindowSettings, FaceWindowState};
 pub use faces::{CameraError, FaceCascade, FaceSettings};
+pub use hearsight_audio::bearing::PairBearing;
+pub use hearsight_audio::weighting::Weighting;
+pub use hearsight_vision::cascade::Mirror;
 pub use steered::{HeardFrame, SteeredArraySettings, SteeredPercepts, SteeredState};

@@ -88,7 +88,12 @@ impl ViewTracker {
             ]
             .iter()
             .all(|seconds| *seconds >= 0.0);
-        check(counted, "the evidence for people")
+        check(counted, "the evidence for people")?;
+        let tracked = belief.trackers.as_ref().is_none_or(|trackers| {
+            trackers.reliabilities.iter().all(|value| share.contains(value))
+                && trackers.failing_s.iter().all(|seconds| *seconds >= 0.0)
+        });
+        check(tracked, "the trackers of people")
     }
 }
 

@@ -1,0 +1,54 @@
+//! The contour verifier: edges on the hypothesis' own outline (Chen and Rui, equation 20, corrected by E10).
+//!
+//! The raw score is the mean over the lines of the logarithm of equation 10; fusion multiplies it by how many lines count
+//! as independent.
+
+use super::{Cue, CueInfo, Evidence, Hypotheses, Subject};
+use crate::body::Part;
+use hearsight_vision::VisionError;
+use hearsight_vision::contour::{ContourScorer, LineLikelihood};
+
+pub(super) const INFO: CueInfo = CueInfo {
+    name: "contour",
+    meaning: "mean over the outline's lines of the logarithm of how much likelier the edges make it (eq. 10)",
+    unit: "1",
+    range: (0.0, 12.0),
+    larger_is_better: true,
+    source: "Chen, Rui, section V.A, eqs. 10, 20, corrected",
+};
+
+/// Scores outlines of heads.
+#[derive(Clone, Debug)]
+pub struct ContourCue {
+    scorer: ContourScorer,
+}
+
+impl ContourCue {
+    /// A cue that reads so many lines, edges of at least `least_strength` (grey levels a pixel).
+    ///
+    /// # Errors
+    /// [`VisionError::Parameter`] where a number is outside its range.
+    pub fn new(line: LineLikelihood, lines: usize, least_strength: f32) -> Result<Self, VisionError> {
+        Ok(Self {
+            scorer: ContourScorer::new(line, lines, least_strength)?,
+        })
+    }
+}
+
+impl Cue for ContourCue {
+    fn info(&self) -> &'static CueInfo {
+        &INFO
+    }
+
+    fn subject(&self) -> Subject {
+        Subject::Regions(Part::Head)
+    }
+
+    fn score(&self, hypotheses: &Hypotheses<'_>, scores: &mut [f32]) -> Evidence {
+        let Some(gradients) = hypotheses.camera.gradients() else {
+            return Evidence::Missing;
+        };
+        self.scorer.score(gradients, hypotheses.regions, scores);
+        Evidence::Scored
+    }
+}
