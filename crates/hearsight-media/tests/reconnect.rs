@@ -1,6 +1,10 @@
 //! Live sources that are lost and come back, over loopback: the program `ffmpeg` sends, is killed and started again.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot prepare its input fails")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test that cannot prepare its input fails"
+)]
 
 use hearsight_core::source::{AudioSource, Delivery, VideoSource};
 use hearsight_core::{AudioBlock, Fault, FaultKind, Instant, Span, VideoFrame};

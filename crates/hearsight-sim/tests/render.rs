@@ -171,7 +171,10 @@ fn a_head_is_where_the_camera_says() {
         );
         for step in 0..200_u32 {
             for turn in 0..200_u32 {
-                let (polar, around) = (f64::from(step) / 199.0 * 3.1416, f64::from(turn) / 200.0 * 6.2832);
+                let (polar, around) = (
+                    f64::from(step) / 199.0 * std::f64::consts::PI,
+                    f64::from(turn) / 200.0 * std::f64::consts::TAU,
+                );
                 let offset = Vector3::new(
                     forward * polar.sin() * around.cos(),
                     left * polar.sin() * around.sin(),

@@ -1,7 +1,7 @@
 //! A closed loop of trackers and a fuser (Chen and Rui 2004).
 //!
-//! Three *trackers* each solve the inverse problem in their own way and propose a Gaussian: the [`contour`] by edges and an
-//! unscented filter, the [`colour`] by mean shift, the [`sound`] by a correlation's peak. The [`fuser`] draws hypotheses
+//! Three *trackers* each solve the inverse problem in their own way and propose a Gaussian: the `contour` by edges and an
+//! unscented filter, the `colour` by mean shift, the `sound` by a correlation's peak. The `fuser` draws hypotheses
 //! from the mixture of what they propose, lets verifiers (cues) judge them, weighs them against all that the last moment
 //! predicts, and tells the trackers how reliable each was and where the person is.
 //!
