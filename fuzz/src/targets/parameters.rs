@@ -29,7 +29,8 @@ pub(super) const TARGET: Target = Target {
     seeds: || {
         let mut seeds = vec![super::state::parameters(), serde_json::json!({})];
         // Every default that the parameters tell of themselves.
-        seeds.extend(REGISTRY.iter().map(|system| defaults(&(system.parameters)())));
+        let stac = REGISTRY.iter().filter(|system| system.name == "stac");
+        seeds.extend(stac.map(|system| defaults(&(system.parameters)())));
         let mut seeds: Vec<Vec<u8>> = seeds
             .iter()
             .map(|value| format!("{value:#}").into_bytes())

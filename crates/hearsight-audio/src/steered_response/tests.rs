@@ -76,7 +76,8 @@ fn curves_are_the_direct_sum_over_the_spectrum() {
                 worst = worst.max((f64::from(*value) - expected).abs());
             }
             println!("spacing {spacing_m}, pair {pair:?}: worst difference {worst:.2e}");
-            assert!(worst < 4e-3, "{worst}");
+            // The window over the delays leaves 60 dB of what wraps around, from several sides.
+            assert!(worst < 6e-3, "{worst}");
         }
     }
 }

@@ -355,7 +355,7 @@ mod tests {
         assert!(
             distances[1..]
                 .iter()
-                .all(|distance| *distance > distances[0] + 0.05)
+                .all(|distance| *distance > distances[0] + 0.04)
         );
     }
 
@@ -377,7 +377,8 @@ mod tests {
         let (x, y, width) = FACE;
         let face = Rectangle::from_centre(x, y, width, width);
         colours.refer(&model, &face);
-        assert!(colours.attenuated[0].values()[bin([210, 160, 130])] > 0.99);
+        // A strip of hair is the rarest colour of the background, a twentieth of the wall: so much of the wall is left.
+        assert!(colours.attenuated[0].values()[bin([210, 160, 130])] > 0.94);
         // All of the shirt is like the wall: it is compared all the same.
         assert!((colours.attenuated[3].values().iter().sum::<f32>() - 1.0).abs() < 1e-3);
     }
