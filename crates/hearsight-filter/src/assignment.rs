@@ -37,6 +37,17 @@ impl Assignment {
     }
 }
 
+/// Finds assignments; owns its buffers, so that one that is kept allocates nothing in the long run.
+#[derive(Clone, Debug, Default)]
+pub struct Assigner {
+    row_price: Vec<Cost>,
+    column_price: Vec<Cost>,
+    distance: Vec<Option<Cost>>,
+    done: Vec<bool>,
+    previous: Vec<usize>,
+    assignment: Assignment,
+}
+
 /// Pairs each row with at most one column and each column with at most one row, at the least total cost.
 ///
 /// `costs`: rows x columns, row by row, of any sign. A pair whose cost is above `gate`, infinite or NaN is forbidden.
@@ -65,64 +76,91 @@ pub fn assign(
     gate: f64,
     unpaired: Unpaired,
 ) -> Result<Assignment, FilterError> {
-    FilterError::check_length("costs", rows.saturating_mul(columns), costs.len())?;
-    if gate.is_nan() {
-        return Err(FilterError::OutOfRange {
-            what: "gate",
-            range: "a number",
-            found: gate,
-        });
-    }
-    if costs.contains(&f64::NEG_INFINITY) {
-        return Err(FilterError::OutOfRange {
-            what: "cost",
-            range: "above -infinity",
-            found: f64::NEG_INFINITY,
-        });
-    }
-    let alone = match unpaired {
-        Unpaired::AsFewAsPossible => Cost {
-            unpaired: 1,
-            sum: 0.0,
-        },
-        Unpaired::Costs(sum) if sum.is_finite() => Cost { unpaired: 0, sum },
-        Unpaired::Costs(_) => {
-            return Err(FilterError::NotFinite {
-                what: "the cost of an unpaired row",
+    let mut assigner = Assigner::default();
+    assigner.assign(costs, rows, columns, gate, unpaired)?;
+    Ok(assigner.assignment)
+}
+
+impl Assigner {
+    /// As [`assign`]; the result is that of [`Assigner::assignment`] too, until the next call.
+    ///
+    /// # Errors
+    /// As [`assign`]; the result of the call before is kept then.
+    pub fn assign(
+        &mut self,
+        costs: &[f64],
+        rows: usize,
+        columns: usize,
+        gate: f64,
+        unpaired: Unpaired,
+    ) -> Result<&Assignment, FilterError> {
+        FilterError::check_length("costs", rows.saturating_mul(columns), costs.len())?;
+        if gate.is_nan() {
+            return Err(FilterError::OutOfRange {
+                what: "gate",
+                range: "a number",
+                found: gate,
             });
         }
-    };
-    let mut search = Search {
-        costs,
-        columns,
-        gate,
-        alone,
-        row_price: vec![Cost::default(); rows],
-        column_price: vec![Cost::default(); columns],
-        column_of_row: vec![None; rows],
-        row_of_column: vec![None; columns],
-        distance: vec![None; columns],
-        done: vec![false; columns],
-        previous: vec![0; columns],
-    };
-    for row in 0..rows {
-        search.place(row);
+        if costs.contains(&f64::NEG_INFINITY) {
+            return Err(FilterError::OutOfRange {
+                what: "cost",
+                range: "above -infinity",
+                found: f64::NEG_INFINITY,
+            });
+        }
+        let alone = match unpaired {
+            Unpaired::AsFewAsPossible => Cost {
+                unpaired: 1,
+                sum: 0.0,
+            },
+            Unpaired::Costs(sum) if sum.is_finite() => Cost { unpaired: 0, sum },
+            Unpaired::Costs(_) => {
+                return Err(FilterError::NotFinite {
+                    what: "the cost of an unpaired row",
+                });
+            }
+        };
+        self.reset(rows, columns);
+        let mut search = Search {
+            costs,
+            columns,
+            gate,
+            alone,
+            row_price: &mut self.row_price,
+            column_price: &mut self.column_price,
+            column_of_row: &mut self.assignment.column_of_row,
+            row_of_column: &mut self.assignment.row_of_column,
+            distance: &mut self.distance,
+            done: &mut self.done,
+            previous: &mut self.previous,
+        };
+        for row in 0..rows {
+            search.place(row);
+        }
+        let pairs = self.assignment.pairs();
+        self.assignment.cost = pairs.map(|(row, column)| costs[row * columns + column]).sum();
+        Ok(&self.assignment)
     }
-    let Search {
-        column_of_row,
-        row_of_column,
-        ..
-    } = search;
-    let mut assignment = Assignment {
-        column_of_row,
-        row_of_column,
-        cost: 0.0,
-    };
-    assignment.cost = assignment
-        .pairs()
-        .map(|(row, column)| costs[row * columns + column])
-        .sum();
-    Ok(assignment)
+
+    /// The result of the last call.
+    pub fn assignment(&self) -> &Assignment {
+        &self.assignment
+    }
+
+    fn reset(&mut self, rows: usize, columns: usize) {
+        fn refill<T: Clone>(buffer: &mut Vec<T>, length: usize, value: T) {
+            buffer.clear();
+            buffer.resize(length, value);
+        }
+        refill(&mut self.row_price, rows, Cost::default());
+        refill(&mut self.column_price, columns, Cost::default());
+        refill(&mut self.assignment.column_of_row, rows, None);
+        refill(&mut self.assignment.row_of_column, columns, None);
+        refill(&mut self.distance, columns, None);
+        refill(&mut self.done, columns, false);
+        refill(&mut self.previous, columns, 0);
+    }
 }
 
 /// A cost in two parts, the first of which outweighs any second: exact where one large number would lose digits.
@@ -158,15 +196,15 @@ struct Search<'a> {
     gate: f64,
     /// The cost of staying alone: an edge from every row to a place that is never full, so that its price stays zero.
     alone: Cost,
-    row_price: Vec<Cost>,
-    column_price: Vec<Cost>,
-    column_of_row: Vec<Option<usize>>,
-    row_of_column: Vec<Option<usize>>,
+    row_price: &'a mut [Cost],
+    column_price: &'a mut [Cost],
+    column_of_row: &'a mut [Option<usize>],
+    row_of_column: &'a mut [Option<usize>],
     /// Of each column, the length of the shortest path found to it; none if not reached.
-    distance: Vec<Option<Cost>>,
-    done: Vec<bool>,
+    distance: &'a mut [Option<Cost>],
+    done: &'a mut [bool],
     /// Of each reached column, the row before it on its path.
-    previous: Vec<usize>,
+    previous: &'a mut [usize],
 }
 
 impl Search<'_> {

@@ -22,7 +22,7 @@ mod resampling;
 mod unscented;
 mod viterbi;
 
-pub use assignment::{Assignment, Unpaired, assign};
+pub use assignment::{Assigner, Assignment, Unpaired, assign};
 pub use error::FilterError;
 pub use gaussian::{Gaussian, Mixture};
 pub use kalman::{Innovation, KalmanFilter};

@@ -153,7 +153,7 @@ impl Appearance {
     pub fn set(&mut self, part: Part, histogram: Option<&Histogram>) {
         match histogram {
             Some(histogram) => self.parts[part.index()].clone_from(histogram),
-            None => self.parts[part.index()] = Histogram::default(),
+            None => self.parts[part.index()].clear(),
         }
     }
 

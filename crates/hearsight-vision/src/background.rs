@@ -41,6 +41,7 @@ pub struct BackgroundModel {
     ghosts: GhostFinder,
     expected: Vec<u8>,
     flags: Vec<u8>,
+    ratios: Vec<[u32; 3]>,
     raw: Mask,
 }
 
@@ -67,6 +68,7 @@ impl BackgroundModel {
             ghosts: GhostFinder::default(),
             expected: Vec::new(),
             flags: Vec::new(),
+            ratios: Vec::new(),
             raw: Mask::default(),
         })
     }
@@ -99,7 +101,7 @@ impl BackgroundModel {
             VisionError::same_size(self.state.size(), (picture.width, picture.height))?;
             self.state.gather(picture, seconds, &self.options);
         }
-        let gain = light::gain(picture, &self.state, self.options.largest_gain);
+        let gain = light::gain(picture, &self.state, self.options.largest_gain, &mut self.ratios);
         self.state.expect(gain, &mut self.expected);
         self.compare(picture, mask);
         let ghosts = self.ghosts.step(

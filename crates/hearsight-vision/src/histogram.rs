@@ -72,10 +72,23 @@ pub struct BinPicture {
 }
 
 /// A colour histogram that sums to 1, or is zero everywhere where nothing was seen.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Histogram {
     values: Vec<f32>,
+}
+
+impl Clone for Histogram {
+    fn clone(&self) -> Self {
+        Self {
+            values: self.values.clone(),
+        }
+    }
+
+    /// Keeps the memory, which a derived one would not.
+    fn clone_from(&mut self, other: &Self) {
+        self.values.clone_from(&other.values);
+    }
 }
 
 /// What reading histograms needs besides the picture; one for each thread.
@@ -266,6 +279,11 @@ impl Histogram {
     /// The values, one a bin.
     pub fn values(&self) -> &[f32] {
         &self.values
+    }
+
+    /// Makes it one of nothing, keeping its memory.
+    pub fn clear(&mut self) {
+        self.values.clear();
     }
 
     /// Whether nothing was seen: all values zero.

@@ -127,12 +127,13 @@ impl HeadFinder {
             }
             width *= search.step;
         }
-        // Ties are broken by place, so that the order never depends on how the list was made.
-        candidates.sort_by(|a, b| {
+        // Ties are broken by place and size, so that the order never depends on how the list was made.
+        candidates.sort_unstable_by(|a, b| {
             b.score
                 .total_cmp(&a.score)
                 .then(a.region.left.total_cmp(&b.region.left))
                 .then(a.region.top.total_cmp(&b.region.top))
+                .then(a.region.width.total_cmp(&b.region.width))
         });
         for candidate in &candidates {
             if heads.len() >= search.most {
@@ -142,8 +143,10 @@ impl HeadFinder {
                 heads.push(*candidate);
             }
         }
+        candidates.clear();
+        candidates.extend_from_slice(heads);
+        drop_body_parts(heads, &candidates);
         self.candidates = candidates;
-        drop_body_parts(heads);
     }
 
     /// Pixels that are on with three pixels off above them (or the picture's edge).
@@ -221,8 +224,7 @@ fn same_head(a: &Head, b: &Head) -> bool {
 }
 
 /// Takes away what looks like a head but is a shoulder, an elbow or a leg of a better one above.
-fn drop_body_parts(heads: &mut Vec<Head>) {
-    let all = heads.clone();
+fn drop_body_parts(heads: &mut Vec<Head>, all: &[Head]) {
     heads.retain(|head| {
         !all.iter().any(|other| {
             other.score + 0.25 > head.score

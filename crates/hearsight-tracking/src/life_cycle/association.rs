@@ -4,7 +4,7 @@
 
 use crate::belief::{Appearance, Belief};
 use hearsight_core::Rectangle;
-use hearsight_filter::{Assignment, FilterError, Unpaired, assign};
+use hearsight_filter::{Assigner, FilterError, Unpaired};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -45,7 +45,7 @@ impl Default for AssociationSettings {
 #[derive(Debug, Default)]
 pub struct Association {
     costs: Vec<f64>,
-    assignment: Assignment,
+    assigner: Assigner,
 }
 
 impl Association {
@@ -60,13 +60,6 @@ impl Association {
         appearances: &[Appearance],
         settings: &AssociationSettings,
     ) -> Result<(), FilterError> {
-        if detections.is_empty() {
-            // Nothing to assign, which needs no memory of its own.
-            self.assignment.column_of_row.clear();
-            self.assignment.column_of_row.resize(beliefs.len(), None);
-            self.assignment.row_of_column.clear();
-            return Ok(());
-        }
         self.costs.clear();
         for belief in beliefs {
             for (detection, appearance) in detections.iter().zip(appearances) {
@@ -75,7 +68,7 @@ impl Association {
             }
         }
         let gate = f64::from(settings.gate);
-        self.assignment = assign(
+        self.assigner.assign(
             &self.costs,
             beliefs.len(),
             detections.len(),
@@ -87,12 +80,18 @@ impl Association {
 
     /// The detection of a belief.
     pub fn detection_of(&self, belief: usize) -> Option<usize> {
-        self.assignment.column_of_row.get(belief).copied().flatten()
+        self.assigner
+            .assignment()
+            .column_of_row
+            .get(belief)
+            .copied()
+            .flatten()
     }
 
     /// Whether a detection belongs to a belief.
     pub fn is_taken(&self, detection: usize) -> bool {
-        self.assignment
+        self.assigner
+            .assignment()
             .row_of_column
             .get(detection)
             .copied()

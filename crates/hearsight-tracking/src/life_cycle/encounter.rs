@@ -61,12 +61,10 @@ pub(crate) fn meet(beliefs: &mut [Belief], first: usize, second: usize) {
 /// Settles every meeting of which both sides have been seen apart for long enough, or of which the other is gone.
 pub(crate) fn settle(beliefs: &mut [Belief], memory: &mut Memory, torso: f32, settings: &EncounterSettings) {
     for place in 0..beliefs.len() {
-        let Some(encounter) = beliefs[place].encounter.clone() else {
+        let long_apart = |encounter: &&Encounter| encounter.apart_s >= settings.apart_s;
+        let Some(encounter) = beliefs[place].encounter.as_ref().filter(long_apart).cloned() else {
             continue;
         };
-        if encounter.apart_s < settings.apart_s {
-            continue;
-        }
         let other = beliefs.iter().position(|belief| belief.number == encounter.with);
         if other.is_none() {
             // One of both was given up while they were at one place: perhaps it was the wrong one.

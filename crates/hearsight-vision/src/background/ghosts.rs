@@ -4,7 +4,7 @@
 //! still it is the other way round.
 
 use super::{BackgroundOptions, BackgroundState};
-use crate::regions::RegionFinder;
+use crate::regions::{Region, RegionFinder};
 use hearsight_core::{Mask, RgbView};
 
 /// Ghosts are looked for this often, seconds: searching every picture would find none sooner that matters.
@@ -15,6 +15,9 @@ const INTERVAL: f32 = 0.2;
 pub struct GhostFinder {
     still: Mask,
     regions: RegionFinder,
+    found: Vec<Region>,
+    /// Which of them are ghosts.
+    ghosts: Vec<bool>,
     labels: Vec<u32>,
     /// Edges along the contour of each region: in the background, in the picture.
     edges: Vec<[u64; 2]>,
@@ -79,7 +82,9 @@ impl GhostFinder {
             *pixel = if still >= needed { 255 } else { 0 };
         }
         // All regions are found, so that labels count them all; the small ones are passed over below.
-        let regions = self.regions.find(&self.still, 1).to_vec();
+        self.found.clear();
+        self.found.extend_from_slice(self.regions.find(&self.still, 1));
+        let regions = &self.found;
         self.regions.write_labels(width, height, &mut self.labels);
         self.edges.clear();
         self.edges.resize(regions.len(), [0; 2]);
@@ -107,13 +112,14 @@ impl GhostFinder {
                 && before > 0
                 && before as f64 > f64::from(options.ghost_contrast) * now as f64
         };
-        let ghosts: Vec<bool> = (1..=regions.len() as u32).map(ghost).collect();
+        self.ghosts.clear();
+        self.ghosts.extend((1..=regions.len() as u32).map(ghost));
         for (at, &label) in self.labels.iter().enumerate() {
-            if label > 0 && ghosts[label as usize - 1] {
+            if label > 0 && self.ghosts[label as usize - 1] {
                 state.adopt(at, gain);
             }
         }
-        ghosts.iter().filter(|&&ghost| ghost).count()
+        self.ghosts.iter().filter(|&&ghost| ghost).count()
     }
 }
 

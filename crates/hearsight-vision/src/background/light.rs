@@ -13,12 +13,18 @@ const FEWEST: u32 = 64;
 const DARKEST: usize = 24;
 
 /// Median ratio of picture and background by channel, over pixels that were not foreground before. 1 where too
-/// few pixels are of use. The result is within 1 / `largest` to `largest`.
-pub(super) fn gain(picture: RgbView<'_>, state: &BackgroundState, largest: f32) -> [f32; 3] {
+/// few pixels are of use. The result is within 1 / `largest` to `largest`. `counts` is memory to be used again.
+pub(super) fn gain(
+    picture: RgbView<'_>,
+    state: &BackgroundState,
+    largest: f32,
+    counts: &mut Vec<[u32; 3]>,
+) -> [f32; 3] {
     if largest <= 1.0 {
         return [1.0; 3];
     }
-    let mut counts = vec![[0_u32; 3]; FINENESS * 8 + 1];
+    counts.clear();
+    counts.resize(FINENESS * 8 + 1, [0; 3]);
     let mut totals = [0; 3];
     let estimates = state.estimates();
     for y in (0..picture.height).step_by(STEP) {

@@ -1,38 +1,16 @@
 //! A steady closed loop allocates nothing a frame: live tracking must not wait for memory.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot make its input should stop")]
-#![expect(unsafe_code, reason = "counting allocations means being the allocator")]
 
+mod counting;
 mod drawn_room;
 
+use counting::allocations;
 use drawn_room::{moment, nearest, room, run, two};
 use hearsight_core::Moment;
 use hearsight_core::record::Scene;
 use hearsight_systems::build;
 use serde_json::json;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
-
-struct Counting;
-
-// SAFETY: every call goes to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::SeqCst);
-        // SAFETY: the caller keeps the contract of `alloc`.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller keeps the contract of `dealloc`, and the memory came from the system's allocator.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// The only test of this file, so that no other thread allocates meanwhile. Heads in this room have no faces: people are
 /// born from change, and then followed by a system that does not look for it, as the paper's does between two searches.
@@ -52,11 +30,11 @@ fn a_steady_loop_allocates_nothing() {
     for moment in &moments[..60] {
         system.step(moment, &mut scene);
     }
-    let before = ALLOCATIONS.load(Ordering::SeqCst);
-    for moment in &moments[60..] {
-        system.step(moment, &mut scene);
-    }
-    let allocated = ALLOCATIONS.load(Ordering::SeqCst) - before;
+    let allocated = allocations(|| {
+        for moment in &moments[60..] {
+            system.step(moment, &mut scene);
+        }
+    });
     assert_eq!(scene.tracks.len(), 2, "the test must cover tracks");
     assert!(nearest(&scene, two(199)[0].x).unwrap().1 < 12.0);
     assert_eq!(allocated, 0, "in {} moments", moments.len() - 60);
