@@ -9,6 +9,7 @@ use hearsight_core::{Camera, CameraModel, Pose, WorldPoint};
 use hearsight_sim::render::{Person, Picture, Range, Renderer, SensorNoise, Shot};
 use hearsight_sim::world::{Block, Hair, Light, Limb, Looks, Material, Pattern, Posture, Setting, Wear};
 use nalgebra::Vector3;
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 const SILENT: SensorNoise = SensorNoise { dark: 0.0, shot: 0.0 };
@@ -147,7 +148,7 @@ fn difference(one: &Picture, other: &Picture) -> [f64; 4] {
 
 #[test]
 fn a_head_is_where_the_camera_says() {
-    let (looks, posture) = (looks(), standing(4.0, 3.0, std::f64::consts::PI));
+    let (looks, posture) = (looks(), standing(4.0, 3.0, PI));
     let people = [still(&looks, &posture)];
     // Only the head is in the picture.
     for model in [pinhole([0.0; 3]), pinhole([-0.25, 0.08, 0.0])] {
@@ -171,10 +172,7 @@ fn a_head_is_where_the_camera_says() {
         );
         for step in 0..200_u32 {
             for turn in 0..200_u32 {
-                let (polar, around) = (
-                    f64::from(step) / 199.0 * std::f64::consts::PI,
-                    f64::from(turn) / 200.0 * std::f64::consts::TAU,
-                );
+                let (polar, around) = (f64::from(step) / 199.0 * PI, f64::from(turn) / 200.0 * TAU);
                 let offset = Vector3::new(
                     forward * polar.sin() * around.cos(),
                     left * polar.sin() * around.sin(),
@@ -207,7 +205,7 @@ fn a_head_is_where_the_camera_says() {
 
 #[test]
 fn half_of_somebody_behind_a_wall_or_outside_is_half_visible() {
-    let (looks, posture) = (looks(), standing(5.0, 3.0, std::f64::consts::PI));
+    let (looks, posture) = (looks(), standing(5.0, 3.0, PI));
     let people = [still(&looks, &posture)];
     let ahead = camera(pinhole([-0.2, 0.05, 0.0]), [1.0, 3.0, 1.2], [5.0, 3.0, 1.0]);
     let mut walled = room();
@@ -296,11 +294,8 @@ fn straight_edges_bend_as_the_lens_says() {
 #[test]
 fn whoever_moves_is_smeared_along_the_way() {
     let looks = looks();
-    let (from, to) = (
-        standing(4.0, 2.9, std::f64::consts::PI),
-        standing(4.0, 3.1, std::f64::consts::PI),
-    );
-    let middle = standing(4.0, 3.0, std::f64::consts::PI);
+    let (from, to) = (standing(4.0, 2.9, PI), standing(4.0, 3.1, PI));
+    let middle = standing(4.0, 3.0, PI);
     let mut camera = camera(pinhole([0.0; 3]), [2.0, 3.0, 1.75], [4.0, 3.0, 1.9]);
     camera.height = 380;
     let empty = picture(&room(), &shot(&camera, &[]));
@@ -445,7 +440,7 @@ fn panoramas_show_who_stands_at_their_seam_in_one_piece() {
 
 #[test]
 fn photographs_and_mouths_are_seen_on_the_face() {
-    let posture = standing(4.0, 3.0, std::f64::consts::PI);
+    let posture = standing(4.0, 3.0, PI);
     let camera = camera(pinhole([0.0; 3]), [2.5, 3.0, 1.65], [4.0, 3.0, 1.63]);
     let colour = |looks: &Looks, posture: &Posture, place: WorldPoint| {
         let taken = picture(&room(), &shot(&camera, &[still(looks, posture)]));

@@ -2,9 +2,7 @@
 
 use super::bins::{BAND_ROWS, Entry};
 use super::figure::Figure;
-use super::lamps::Lamps;
 use super::raster::Triangle;
-use super::shadow;
 use super::view::{OFFSETS_PX, SAMPLES, View, sample_time};
 
 /// No triangle.
@@ -19,7 +17,6 @@ pub(super) struct Scene<'a> {
     /// Where in `figures` each person is.
     pub(super) people: &'a [usize],
     pub(super) view: &'a View,
-    pub(super) lamps: &'a Lamps,
     pub(super) width: usize,
     pub(super) height: usize,
     /// Columns a turn of a panorama.
@@ -34,6 +31,8 @@ pub(super) struct Band {
     near: Vec<f32>,
     covered: Vec<u32>,
     triangles: Vec<(Triangle, Entry)>,
+    /// Columns, from and before, that the triangles are in.
+    reach: (usize, usize),
     /// Sum of the samples of people and how many they are.
     sum: Vec<[f32; 4]>,
     /// Light of each pixel, people and room.
@@ -55,19 +54,7 @@ impl Band {
         self.light.clear();
         self.light.extend_from_slice(&view.light[pixels.clone()]);
         identity.fill(0);
-        for (light, floor) in self.light.iter_mut().zip(&view.floor[pixels.clone()]) {
-            if !floor[0].is_nan() {
-                let shown = scene
-                    .people
-                    .iter()
-                    .map(|place| &scene.figures[*place])
-                    .filter(|figure| figure.drawn);
-                let open: f32 = shown
-                    .map(|figure| shadow::on_floor(figure, scene.lamps, *floor))
-                    .product();
-                *light = light.map(|channel| channel * open);
-            }
-        }
+        self.shade_floor(scene, first, rows);
         if entries.is_empty() {
             return;
         }
@@ -83,14 +70,17 @@ impl Band {
                 sample_time(time, scene.times),
                 OFFSETS_PX[sample],
             );
-            for (place, at) in pixels.clone().enumerate() {
-                if self.covered[place] != NOTHING && self.near[place] >= view.nearness[at][sample] {
-                    let colour = self.shade(scene, place);
-                    let sum = &mut self.sum[place];
-                    for channel in 0..3 {
-                        sum[channel] += colour[channel];
+            for y in 0..rows {
+                for place in y * width + self.reach.0..y * width + self.reach.1 {
+                    let behind = view.nearness[pixels.start + place][sample];
+                    if self.covered[place] != NOTHING && self.near[place] >= behind {
+                        let colour = self.shade(scene, place);
+                        let sum = &mut self.sum[place];
+                        for channel in 0..3 {
+                            sum[channel] += colour[channel];
+                        }
+                        sum[3] += 1.0;
                     }
-                    sum[3] += 1.0;
                 }
             }
         }
@@ -102,13 +92,44 @@ impl Band {
             }
         }
         self.scan(scene, entries, first, rows, 0.0, [0.0; 2]);
-        for (place, at) in pixels.enumerate() {
-            let covered = self.covered[place];
-            if covered != NOTHING && self.near[place] >= view.nearness[at][0] {
-                let (_, entry) = self.triangles[covered as usize];
-                let figure = &scene.figures[scene.people[entry.person as usize]];
-                let head = figure.facets()[entry.facet as usize].head;
-                identity[place] = (entry.person as u16 + 1) | if head { HEAD } else { 0 };
+        for y in 0..rows {
+            for place in y * width + self.reach.0..y * width + self.reach.1 {
+                let covered = self.covered[place];
+                if covered != NOTHING && self.near[place] >= view.nearness[pixels.start + place][0] {
+                    let (_, entry) = self.triangles[covered as usize];
+                    let figure = &scene.figures[scene.people[entry.person as usize]];
+                    let head = figure.facets()[entry.facet as usize].head;
+                    identity[place] = (entry.person as u16 + 1) | if head { HEAD } else { 0 };
+                }
+            }
+        }
+    }
+
+    /// Darkens the floor where people's shadows are; two pixels side by side share one.
+    fn shade_floor(&mut self, scene: &Scene<'_>, first: usize, rows: usize) {
+        let shown = || {
+            scene
+                .people
+                .iter()
+                .map(|place| &scene.figures[*place])
+                .filter(|figure| figure.drawn)
+        };
+        if shown().next().is_none() {
+            return;
+        }
+        for y in 0..rows {
+            let floor = &scene.view.floor[(first + y) * scene.width..][..scene.width];
+            let light = &mut self.light[y * scene.width..][..scene.width];
+            for (light, floor) in light.chunks_mut(2).zip(floor.chunks(2)) {
+                let Some(at) = floor.iter().find(|at| !at[0].is_nan()) else {
+                    continue;
+                };
+                let open: f32 = shown().map(|figure| figure.shadow.on(*at)).product();
+                if open < 1.0 {
+                    for (light, _) in light.iter_mut().zip(floor).filter(|(_, at)| !at[0].is_nan()) {
+                        *light = light.map(|channel| channel * open);
+                    }
+                }
             }
         }
     }
@@ -123,9 +144,9 @@ impl Band {
         time: f32,
         offset: [f32; 2],
     ) {
-        self.near.fill(0.0);
-        self.covered.fill(NOTHING);
         self.triangles.clear();
+        let width = scene.width;
+        let (mut left, mut right) = (width, 0);
         for entry in entries {
             let figure = &scene.figures[scene.people[entry.person as usize]];
             let facet = &figure.facets()[entry.facet as usize];
@@ -137,14 +158,24 @@ impl Band {
             let Some(triangle) = Triangle::new(corners, time, shift, facet.thin) else {
                 continue;
             };
-            let own = self.triangles.len() as u32;
+            let columns = triangle.columns(width);
+            left = left.min(columns.0);
+            right = right.max(columns.1);
             self.triangles.push((triangle, *entry));
-            let (near, covered, width) = (&mut self.near, &mut self.covered, scene.width);
+        }
+        self.reach = (left.min(right), right);
+        for y in 0..rows {
+            let row = y * width + self.reach.0..y * width + self.reach.1;
+            self.near[row.clone()].fill(0.0);
+            self.covered[row].fill(NOTHING);
+        }
+        let (near, covered) = (&mut self.near, &mut self.covered);
+        for (own, (triangle, _)) in self.triangles.iter().enumerate() {
             triangle.scan((0, width as i32), (0, rows as i32), |x, y, close| {
                 let place = y as usize * width + x as usize;
                 if close > near[place] {
                     near[place] = close;
-                    covered[place] = own;
+                    covered[place] = own as u32;
                 }
             });
         }

@@ -3,11 +3,14 @@
 use super::hash::mix;
 use super::{Range, SensorNoise};
 use hearsight_core::yuv::Primaries;
+use multiversion::multiversion;
 
 /// Entries of the tables over the square root of light.
-const STEPS: usize = 4096;
+const STEPS: usize = 1024;
 /// Entries of the table of normal deviates.
-const DEVIATES: usize = 4096;
+const DEVIATES: usize = 1024;
+/// Pixels that are developed together.
+const BLOCK: usize = 64;
 
 /// Tables that a sensor needs.
 #[derive(Clone, Debug)]
@@ -87,46 +90,61 @@ impl Developer {
             Range::Limited => (16.0, 219.0 / 255.0, 224.0 / 255.0),
         };
         let [blues, reds] = chroma;
-        let byte = |value: f32| (value + 0.5).clamp(0.0, 255.0) as u8;
+        let gains = std::array::from_fn(|at| how.gains[at % 3]);
+        let mut entries = [0; 3 * BLOCK];
+        let byte = |value: f32| (value + 0.5).clamp(0.0, 255.0) as i32 as u8;
         let rows = light.chunks(2 * width).zip(luma.chunks_mut(2 * width));
         let planes = blues.chunks_mut(columns).zip(reds.chunks_mut(columns));
         for (pair, ((light, luma), (blues, reds))) in rows.zip(planes).enumerate() {
-            let below = light.len() > width;
-            let seed = mix(how.seed ^ (first + 2 * pair) as u64);
-            for column in 0..columns {
-                let left = 2 * column;
-                let across = if left + 1 < width { 2 } else { 1 };
-                let mut sum = [0.0; 2];
-                for (row, place) in [left, width + left]
-                    .into_iter()
-                    .enumerate()
-                    .take(1 + usize::from(below))
-                {
-                    for at in place..place + across {
-                        let noise = mix(seed.wrapping_add((2 * (at % width) + row) as u64));
-                        let [r, g, b] = self.pixel(light[at], how.gains, noise);
+            let high = light.len() / width;
+            for left in (0..width).step_by(BLOCK) {
+                let wide = BLOCK.min(width - left);
+                // Blue and red less luma, summed over rows.
+                let mut differences = [[0.0_f32; BLOCK]; 2];
+                for row in 0..high {
+                    let place = row * width + left;
+                    let seed = mix(how.seed ^ ((first + 2 * pair + row) * width + left) as u64);
+                    look_up(light[place..place + wide].as_flattened(), &gains, &mut entries);
+                    for x in 0..wide {
+                        let [r, g, b] =
+                            self.noisy([3 * x, 3 * x + 1, 3 * x + 2].map(|at| entries[at]), seed, x);
                         let y = red * r + green * g + blue * b;
-                        luma[at] = byte(black + luma_gain * y);
-                        sum[0] += b - y;
-                        sum[1] += r - y;
+                        luma[place + x] = byte(black + luma_gain * y);
+                        differences[0][x] += b - y;
+                        differences[1][x] += r - y;
                     }
                 }
-                let share = chroma_gain / (across * (1 + usize::from(below))) as f32;
-                blues[column] = byte(128.0 + share * sum[0] / (2.0 * (1.0 - blue)));
-                reds[column] = byte(128.0 + share * sum[1] / (2.0 * (1.0 - red)));
+                for x in (0..wide).step_by(2) {
+                    let across = 2.min(wide - x);
+                    let share = chroma_gain / (across * high) as f32;
+                    let sum = |which: usize| -> f32 { differences[which][x..x + across].iter().sum() };
+                    blues[(left + x) / 2] = byte(128.0 + share * sum(0) / (2.0 * (1.0 - blue)));
+                    reds[(left + x) / 2] = byte(128.0 + share * sum(1) / (2.0 * (1.0 - red)));
+                }
             }
         }
     }
 
+    /// Red, green and blue of a pixel, with noise; `x` is its place in the block with this seed.
     #[inline(always)]
-    fn pixel(&self, light: [f32; 3], gains: [f32; 3], noise: u64) -> [f32; 3] {
+    fn noisy(&self, entries: [u16; 3], seed: u64, x: usize) -> [f32; 3] {
+        // 60 bits serve two pixels.
+        let bits = mix(seed.wrapping_add(x as u64 / 2)) >> (30 * (x & 1));
         [0, 1, 2].map(|channel| {
-            // A number that is none stays one, and is entry 0: black.
-            let value = (light[channel] * gains[channel]).clamp(0.0, 1.0);
-            let [code, deviation] = self.codes[(value.sqrt() * (STEPS - 1) as f32) as usize & (STEPS - 1)];
-            let deviate = self.deviates[(noise >> (20 * channel)) as usize & (DEVIATES - 1)];
+            let [code, deviation] = self.codes[usize::from(entries[channel]) & (STEPS - 1)];
+            let deviate = self.deviates[(bits >> (10 * channel)) as usize & (DEVIATES - 1)];
             (code + deviation * deviate).clamp(0.0, 255.0)
         })
+    }
+}
+
+/// Entries of the table of codes for the light of pixels.
+#[multiversion(targets("x86_64+avx2"))]
+fn look_up(light: &[f32], gains: &[f32; 3 * BLOCK], entries: &mut [u16; 3 * BLOCK]) {
+    for ((entry, light), gain) in entries.iter_mut().zip(light).zip(gains) {
+        // A number that is none stays one here and becomes 0 as a whole number.
+        let value = (light * gain).clamp(0.0, 1.0);
+        *entry = (value.sqrt() * (STEPS - 1) as f32 + 0.5) as i32 as u16;
     }
 }
 

@@ -3,6 +3,7 @@
 use super::face::{self, Features, Mien};
 use super::lamps::Lamps;
 use super::mesh::{Facet, Mesh, SURFACES, Surface};
+use super::shadow::Shadow;
 use super::texture::Texture;
 use super::view::between;
 use super::{Person, Shot, body, head};
@@ -49,9 +50,7 @@ pub(super) struct Figure {
     pub(super) seen: Vec<Seen>,
     /// Whether there is anything to draw.
     pub(super) drawn: bool,
-    /// Where the shadow on the floor begins: both feet and the middle of the body; and the height of the crown, metres.
-    pub(super) ground: [[f32; 2]; 3],
-    pub(super) crown_m: f32,
+    pub(super) shadow: Shadow,
 }
 
 impl Figure {
@@ -90,8 +89,7 @@ impl Figure {
             levels: [0; SURFACES],
             seen: Vec::new(),
             drawn: false,
-            ground: [[f32::NAN; 2]; 3],
-            crown_m: 0.0,
+            shadow: Shadow::default(),
         }
     }
 
@@ -139,13 +137,14 @@ impl Figure {
             ((from + to) / 2.0).map(|coordinate| coordinate as f32)
         };
         let head = middle(|posture| posture.head);
-        self.ground = [
-            middle(|p| p.legs[0].end),
-            middle(|p| p.legs[1].end),
-            middle(|p| p.pelvis),
-        ]
-        .map(|place| [place.x, place.y]);
-        self.crown_m = head.z + self.looks.head_half_axes_m[2] as f32;
+        let flat = |of: fn(&Posture) -> WorldPoint| [middle(of).x, middle(of).y];
+        let feet = [
+            flat(|posture| posture.legs[0].end),
+            flat(|posture| posture.legs[1].end),
+        ];
+        let crown_m = head.z + self.looks.head_half_axes_m[2] as f32;
+        self.shadow
+            .set(feet, flat(|posture| posture.pelvis), crown_m, lamps);
         self.project(shot, head, lamps);
     }
 

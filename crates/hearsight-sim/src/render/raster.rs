@@ -54,9 +54,9 @@ impl Triangle {
         })
     }
 
-    /// What it covers at a place.
+    /// Weights of the second and third corner at a place.
     #[inline(always)]
-    fn at(&self, u: f32, v: f32) -> (f32, f32) {
+    pub(super) fn weights(&self, u: f32, v: f32) -> (f32, f32) {
         let (x, y) = (u - self.u, v - self.v);
         (
             (x * self.two[1] - y * self.two[0]) * self.inverse,
@@ -64,13 +64,18 @@ impl Triangle {
         )
     }
 
-    /// Weights of the second and third corner at a place.
-    #[inline(always)]
-    pub(super) fn weights(&self, u: f32, v: f32) -> (f32, f32) {
-        self.at(u, v)
+    /// Columns of a picture of this width, from and before, that it may cover.
+    pub(super) fn columns(&self, width: usize) -> (usize, usize) {
+        let [left, _, right, _] = self.bounds;
+        // Negative numbers become 0.
+        (
+            (left.ceil() as usize).min(width),
+            ((right.floor() + 1.0) as usize).min(width),
+        )
     }
 
-    /// Calls `covered` with column, row and one over the distance for each pixel centre in the columns and rows given (from, before) that it covers.
+    /// Calls `covered` with column, row and one over the distance for each pixel centre in the columns and rows given
+    /// (from, before) that it covers.
     #[inline]
     pub(super) fn scan(&self, columns: (i32, i32), rows: (i32, i32), mut covered: impl FnMut(i32, i32, f32)) {
         let [left, top, right, bottom] = self.bounds;
@@ -82,13 +87,19 @@ impl Triangle {
             (top.ceil() as i32).max(rows.0),
             (bottom.floor() as i32).min(rows.1 - 1),
         );
+        // Change of both weights and of the nearness from one column to the next.
+        let (one_step, two_step) = (self.two[1] * self.inverse, -self.one[1] * self.inverse);
+        let near_step = one_step * self.near[1] + two_step * self.near[2];
         for y in upper..=lower {
+            let (mut one, mut two) = self.weights(first as f32, y as f32);
+            let mut near = self.near[0] + one * self.near[1] + two * self.near[2];
             for x in first..=last {
-                let (one, two) = self.at(x as f32, y as f32);
                 if one >= 0.0 && two >= 0.0 && one + two <= 1.0 {
-                    let near = self.near[0] + one * self.near[1] + two * self.near[2];
                     covered(x, y, near);
                 }
+                one += one_step;
+                two += two_step;
+                near += near_step;
             }
         }
     }

@@ -180,7 +180,6 @@ impl Renderer {
             figures: &self.figures,
             people: &self.people,
             view: &self.views[slot],
-            lamps: &self.lamps,
             width,
             height,
             turn: turn.unwrap_or(0.0),

@@ -145,11 +145,13 @@ impl Texture {
 /// The texels on both sides of a coordinate and how far the second one counts.
 #[inline(always)]
 fn neighbours(coordinate: f32, count: usize) -> (usize, usize, f32) {
-    // To [0, 2), then folded to [0, 1].
-    let half = coordinate * 0.5;
-    let turn = 2.0 * (half - half.floor());
-    let folded = if turn > 1.0 { 2.0 - turn } else { turn };
+    // Mirrored at 0 as at every whole number.
+    let distance = coordinate.abs();
+    let whole = distance as i32;
+    let part = distance - whole as f32;
+    let folded = if whole & 1 == 1 { 1.0 - part } else { part };
     let place = (folded * count as f32 - 0.5).clamp(0.0, (count - 1) as f32);
-    let first = place as usize;
-    (first, (first + 1).min(count - 1), place - first as f32)
+    let first = place as i32;
+    let index = first as usize;
+    (index, (index + 1).min(count - 1), place - first as f32)
 }
