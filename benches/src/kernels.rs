@@ -2,6 +2,7 @@
 
 mod faces;
 mod pictures;
+mod rendering;
 mod rooms;
 mod sounds;
 mod states;
@@ -85,6 +86,8 @@ kernels! {
     Faces "faces_alt2" = |i| faces::search(i, "alt2"), "All faces of a picture of 20 pixels or more; their number.";
     Faces "faces_default" = |i| faces::search(i, "default"), "All faces of 24 pixels or more; their number.";
     Faces "windows_alt2" = faces::windows, "200 single windows of 20 to 80 pixels; stages passed in all.";
+    Rooms "render" = |i| rendering::render(i, false), "A picture of 640 x 480 with three people; how much of them is seen.";
+    Rooms "render_turning" = |i| rendering::render(i, true), "The same by a camera that turns.";
     Sounds "phat_8192" = sounds::phase_transform, "GCC-PHAT of a pair, 4096 samples padded to 8192; the delay.";
     Sounds "bands" = sounds::bands, "A frame of a pair at 12 kHz in three bands that must agree; the delay.";
     Rooms "room_response" = |_| rooms::response(), "An impulse response of order 66 from nothing; its energy.";
@@ -118,7 +121,15 @@ mod tests {
                 kernel.name
             );
             // These remember what they did before.
-            if !["particle_step", "background", "meeting_16k", "meeting_44k"].contains(&kernel.name) {
+            let remembering = [
+                "particle_step",
+                "background",
+                "meeting_16k",
+                "meeting_44k",
+                "render",
+                "render_turning",
+            ];
+            if !remembering.contains(&kernel.name) {
                 assert_eq!(first, second, "{}", kernel.name);
             }
         }

@@ -53,13 +53,22 @@ impl Dice {
         choices[self.bits() as usize % choices.len()]
     }
 
-    fn colour(&mut self, low: f64, high: f64) -> Colour {
-        [0; 3].map(|_| self.between(low, high) as f32)
+    /// A colour whose lightness is spread evenly over ratios between two reflectances, and whose channels differ from
+    /// it by up to such a share.
+    fn colour(&mut self, (low, high): (f64, f64), vivid: f64) -> Colour {
+        let lightness = low * (high / low).powf(self.between(0.0, 1.0));
+        [0; 3].map(|_| (lightness * self.between(1.0 - vivid, 1.0 + vivid)).min(0.9) as f32)
     }
 
-    fn material(&mut self, patterns: &[Pattern], low: f64, high: f64, scales_m: (f64, f64)) -> Material {
-        let colour = self.colour(low, high);
-        let other = self.colour(0.5 * low, high);
+    fn material(
+        &mut self,
+        patterns: &[Pattern],
+        range: (f64, f64),
+        vivid: f64,
+        scales_m: (f64, f64),
+    ) -> Material {
+        let colour = self.colour(range, vivid);
+        let other = self.colour(range, vivid);
         Material {
             colour,
             second: [0, 1, 2].map(|channel| 0.5 * (colour[channel] + other[channel])),
@@ -69,7 +78,8 @@ impl Dice {
         }
     }
 
-    /// Random looks: all tones of skin and colours of hair, from linear light that skin and hair reflect.
+    /// Random looks: clothes reflect from 1.5 % (black) to 35 % (light) as most do; all tones of skin and colours of
+    /// hair, from linear light that skin and hair reflect.
     pub fn looks(&mut self) -> Looks {
         // From pale to dark; reflectances of skin fall about so.
         let tone = self.between(0.0, 1.0) as f32;
@@ -101,8 +111,13 @@ impl Dice {
             hair_style: self.of(&[Hair::Short, Hair::Short, Hair::Long, Hair::Bald]),
             eyes: self.of(&[[0.05, 0.03, 0.015], [0.12, 0.18, 0.28], [0.1, 0.14, 0.06]]),
             wear: Wear {
-                top: self.material(&[Plain, Plain, Stripes, Squares, Clouds], 0.03, 0.6, (0.04, 0.2)),
-                bottom: self.material(&[Plain], 0.02, 0.3, (0.1, 0.2)),
+                top: self.material(
+                    &[Plain, Plain, Stripes, Squares, Clouds],
+                    (0.015, 0.35),
+                    0.7,
+                    (0.04, 0.2),
+                ),
+                bottom: self.material(&[Plain], (0.015, 0.2), 0.4, (0.1, 0.2)),
                 long_sleeves: self.between(0.0, 1.0) < 0.6,
             },
             face: None,
@@ -110,13 +125,16 @@ impl Dice {
         }
     }
 
-    /// A random room of 6 x 5 x 2.8 m with furniture along its walls.
+    /// A random room of 6 x 5 x 2.8 m with painted, papered or cluttered walls, which reflect 30 % to 75 % as walls of
+    /// rooms that people live in do, and furniture of any colour.
     pub fn setting(&mut self) -> Setting {
         use Pattern::{Clouds, Clutter, Plain, Planks, Squares};
-        let wall = |dice: &mut Self| dice.material(&[Plain, Clouds, Clutter, Planks], 0.15, 0.7, (0.15, 0.6));
+        let wall = |dice: &mut Self| {
+            dice.material(&[Plain, Clouds, Clutter, Planks], (0.3, 0.75), 0.15, (0.15, 0.6))
+        };
         let surfaces = [
-            self.material(&[Planks, Squares, Plain], 0.1, 0.4, (0.2, 0.6)),
-            self.material(&[Plain], 0.6, 0.8, (0.5, 1.0)),
+            self.material(&[Planks, Squares, Plain], (0.1, 0.4), 0.2, (0.2, 0.6)),
+            self.material(&[Plain], (0.6, 0.8), 0.05, (0.5, 1.0)),
             wall(self),
             wall(self),
             wall(self),
@@ -133,17 +151,22 @@ impl Dice {
                 centre: WorldPoint::new(self.between(4.0, 5.8), self.between(0.3, 4.7), size_m[2] / 2.0),
                 size_m,
                 yaw_rad: self.between(0.0, 3.0),
-                material: self.material(&[Plain, Clutter, Planks, Clouds], 0.05, 0.6, (0.1, 0.4)),
+                material: self.material(&[Plain, Clutter, Planks, Clouds], (0.05, 0.6), 0.5, (0.1, 0.4)),
             }
         });
         let blocks = blocks.collect();
-        let lights = (0..3).map(|_| Light {
-            position: WorldPoint::new(
+        let lights = (0..3).map(|_| {
+            let position = WorldPoint::new(
                 self.between(0.5, 5.5),
                 self.between(0.5, 4.5),
                 self.between(2.2, 2.7),
-            ),
-            colour: [1.0, 0.95, 0.85].map(|channel: f32| channel * self.between(0.6, 1.6) as f32),
+            );
+            let strength = self.between(0.6, 1.6);
+            let tint = [1.0, 0.95, 0.85].map(|channel| strength * channel * self.between(0.93, 1.07));
+            Light {
+                position,
+                colour: tint.map(|channel| channel as f32),
+            }
         });
         let lights = lights.collect();
         Setting {
