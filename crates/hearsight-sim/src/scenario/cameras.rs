@@ -2,6 +2,7 @@
 
 use super::raw::{RawCamera, RawClock, RawScene};
 use super::resolve::Resolver;
+use super::surroundings::Surroundings;
 use crate::world::{CameraDevice, Exposure, Mount, SensorClock};
 use hearsight_core::WorldPoint;
 use hearsight_core::command::DeviceCommand;
@@ -12,11 +13,12 @@ impl Resolver {
     pub(super) fn cameras(
         &self,
         raw: &RawScene,
+        surroundings: &Surroundings,
     ) -> Result<(Vec<CameraDevice>, Vec<DeviceCommand>), ConfigurationError> {
         let (mut cameras, mut commands) = (Vec::new(), Vec::new());
         for (number, raw) in raw.camera.iter().enumerate() {
             let field = Field::of("camera").index(number);
-            let camera = self.camera(&field, raw)?;
+            let camera = self.camera(&field, raw, surroundings)?;
             for (place, command) in raw.command.iter().enumerate() {
                 let at = field.key("command").index(place);
                 if camera.head.is_none() {
@@ -31,7 +33,12 @@ impl Resolver {
         Ok((cameras, commands))
     }
 
-    fn camera(&self, field: &Field, raw: &RawCamera) -> Result<CameraDevice, ConfigurationError> {
+    fn camera(
+        &self,
+        field: &Field,
+        raw: &RawCamera,
+        surroundings: &Surroundings,
+    ) -> Result<CameraDevice, ConfigurationError> {
         let [width, height] = raw.size.unwrap_or([640, 480]);
         if !(8..=8192).contains(&width) || !(8..=8192).contains(&height) {
             let what = format!("{width} x {height} pixels is no picture");
@@ -55,7 +62,7 @@ impl Resolver {
             height,
             rate_hz,
             lens: self.lens(field, raw, [width, height])?,
-            mount: self.mount(field, raw)?,
+            mount: self.mount(field, raw, surroundings)?,
             head: match &raw.head {
                 Some(head) => Some(self.head(&field.key("head"), head)?),
                 None => None,
@@ -88,14 +95,30 @@ impl Resolver {
         })
     }
 
-    fn mount(&self, field: &Field, raw: &RawCamera) -> Result<Mount, ConfigurationError> {
+    fn mount(
+        &self,
+        field: &Field,
+        raw: &RawCamera,
+        surroundings: &Surroundings,
+    ) -> Result<Mount, ConfigurationError> {
         let base = self.base_number(field, &raw.base)?;
         let Some(place) = raw.at else {
             return Err(self.missing(field, "at", "give its place, [x, y, z]"));
         };
         let position = match base {
             Some(_) => self.point(&field.key("at"), place)?,
-            None => self.inside(&field.key("at"), place)?,
+            None => {
+                let position = self.inside(&field.key("at"), place)?;
+                let around = surroundings
+                    .footprints
+                    .iter()
+                    .find(|piece| piece.swallows(position));
+                if let Some(piece) = around {
+                    let what = format!("{place:?} is inside `{}`", piece.name);
+                    return Err(self.wrong(&field.key("at"), what, "put it on top or in front of that"));
+                }
+                position
+            }
         };
         let (pan_rad, tilt_rad) = match raw.look_at {
             Some(_) if raw.pan.is_some() || raw.tilt.is_some() => {

@@ -45,6 +45,17 @@ impl Resolver {
             [0.8, 2.2],
             "give 0.8 to 2.2 metres",
         )?;
+        if height_m >= self.size_m[2] {
+            let what = format!(
+                "{height_m:.2} m does not fit under a ceiling at {} m",
+                self.size_m[2]
+            );
+            return Err(self.wrong(
+                &field.key("height"),
+                what,
+                "make the room higher, or the person smaller",
+            ));
+        }
         let drawn_build = (1.0 + 0.12 * normal(&mut random)).clamp(0.82, 1.25);
         let build = self.number(
             &field.key("build"),

@@ -16,6 +16,9 @@ pub(super) const SEAT_M: f64 = 0.45;
 /// After this long people notice who speaks, seconds: from and to.
 const NOTICE_S: [f64; 2] = [0.25, 0.7];
 
+/// The longest turn, seconds: voices take no longer ones.
+const LONGEST_TURN_S: f64 = 3600.0;
+
 /// What is looked at, before all turns are known.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Wish {
@@ -115,6 +118,11 @@ impl Resolver {
         let turns = field.key("turns");
         self.spans(&turns, &raw.turns, "a turn")?;
         for (number, [from, until]) in raw.turns.iter().enumerate() {
+            if until - from > LONGEST_TURN_S {
+                let what = format!("speaks for {} s", until - from);
+                let cure = "a turn lasts up to 3600 s: write several";
+                return Err(self.wrong(&turns.index(number), what, cure));
+            }
             if let Some(away) = first_absence(&draft.motion, *from, *until) {
                 let what = format!("speaks from {from} to {until} s, but is not in the room at {away:.2} s");
                 return Err(self.wrong(

@@ -133,7 +133,7 @@ impl Resolver {
         self.name_everything(raw)?;
         let surroundings = self.surroundings(raw)?;
         let (bases, base_commands) = self.bases(raw)?;
-        let (cameras, mut commands) = self.cameras(raw)?;
+        let (cameras, mut commands) = self.cameras(raw, &surroundings)?;
         commands.extend(base_commands);
         commands.sort_by_key(|command| command.time);
         let arrays = self.arrays(raw, &cameras)?;

@@ -25,6 +25,9 @@ pub(super) const OUTSIDE_M: f64 = 0.45;
 /// How far inside a door people walk to before they leave, metres.
 pub(super) const THRESHOLD_M: f64 = 0.55;
 
+/// How deep something may be set into furniture, metres, as a camera into a screen.
+const SET_IN_M: f64 = 0.05;
+
 /// The room with what stands in it, and what only a scenario must know of that.
 pub(super) struct Surroundings {
     pub(super) setting: Setting,
@@ -64,6 +67,19 @@ impl Footprint {
         let own = [off.x * cos + off.y * sin, off.y * cos - off.x * sin];
         let beyond = [0, 1].map(|axis| (own[axis].abs() - self.half_m[axis]).max(0.0));
         beyond[0].hypot(beyond[1]) < radius_m
+    }
+
+    /// Whether a place is inside, and not merely set into its surface.
+    pub(super) fn swallows(&self, place: WorldPoint) -> bool {
+        let coords = place.0.coords;
+        let (sin, cos) = self.yaw_rad.sin_cos();
+        let off = coords.xy() - self.centre.coords;
+        let own = [off.x * cos + off.y * sin, off.y * cos - off.x * sin];
+        let [from_m, to_m] = self.heights_m;
+        let flat = [0, 1]
+            .iter()
+            .all(|axis| own[*axis].abs() < self.half_m[*axis] - SET_IN_M);
+        flat && coords.z > from_m + SET_IN_M && coords.z < to_m - SET_IN_M
     }
 }
 

@@ -55,6 +55,10 @@ fn unknown_keys_and_words_have_suggestions() {
 #[test]
 fn people_in_walls_and_furniture() {
     refused(
+        "[room]\nsize = [4, 4, 1.2]\n[[person]]\n",
+        &["person[0].height", "ceiling"],
+    );
+    refused(
         &format!("{ROOM}[[person]]\nat = [0.05, 2]\n"),
         &["person[0].at", "in a wall"],
     );
@@ -108,6 +112,10 @@ fn turns_that_cannot_be() {
         &["person[0].turns[1]", "before the one before ends"],
     );
     refused(&person("turns = [[3, 1]]\n"), &["person[0].turns[0]", "no span"]);
+    refused(
+        &person("turns = [[0, 7000]]\n"),
+        &["person[0].turns[0]", "7000 s"],
+    );
     let both = person("turns = [[1, 9]]\n[[conversation]]\n");
     refused(&both, &["conversation[0]", "`anna` already speaks"]);
     let away = person("turns = [[1, 9]]\n[[person.action]]\ntime = 0\nleave = \"door\"\n");
@@ -139,6 +147,10 @@ fn cameras_of_no_size_and_impossible_lenses() {
     refused(
         &camera("[[camera.command]]\ntime = 1\npan = 3"),
         &["camera[0].command[0]", "head"],
+    );
+    refused(
+        &format!("{ROOM}{TABLE}[[camera]]\nat = [2.5, 2, 0.3]\n"),
+        &["camera[0].at", "inside `desk`"],
     );
     refused("[[array]]\nat = [1, 1, 1]\ncount = 0\n", &["array[0].count"]);
     refused(
