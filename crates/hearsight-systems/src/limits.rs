@@ -136,6 +136,8 @@ pub(crate) const COMMON: &[Limit] = &[
     ("appearance.memory_s", 0.001, 3600.0),
     share("appearance.inside"),
     ("speaker.tolerance_s", 0.0, 0.1),
+    ("speaker.mouth_aside", 0.0, 10.0),
+    ("speaker.turned_s", 0.001, 3600.0),
     ("speaker.turn_s", 0.001, 3600.0),
     ("speaker.pause_s", 0.001, 3600.0),
     ("speaker.silence", 0.0, 1000.0),

@@ -128,7 +128,7 @@ fn stages_of_sound(parameters: &Parameters, width_px: f64) -> Result<Vec<Stage>,
         )),
         Stage::Propose(Box::new(AnywhereProposal::new(parameters.anywhere, width_px))),
         Stage::Weigh {
-            cues: vec![Box::new(SoundCue)],
+            cues: vec![Box::new(SoundCue::default())],
             fusion: Box::new(Product::new(vec![sound_term(parameters)])),
             hidden: parameters.hidden,
         },
@@ -185,7 +185,9 @@ fn stages(parameters: &Parameters) -> Result<Vec<Stage>, SystemError> {
         &parameters.motion,
     );
     add(
-        Box::new(SoundCue),
+        Box::new(SoundCue {
+            one_talker: parameters.one_talker,
+        }),
         sound_term(parameters).calibration,
         &parameters.sound,
     );

@@ -199,21 +199,25 @@ impl ViewTracker {
             body.state_from_head(&belief.head, &mut state);
             let delay = |state: &[f32]| body.sound_point(state).and_then(|point| array.delay_s(point));
             let delay_s = delay(&state);
-            // To both sides by the spread of the belief: the column is what the delay hangs on.
-            let side = |sign: f32| {
+            // The column is what the delay hangs on: the spread of the belief, and where in the head the mouth is.
+            let delay_beside = |pixels: f32| {
                 let mut state = state;
-                state[0] += sign * belief.deviation[0];
+                state[0] += pixels;
                 delay(&state)
             };
-            let deviation_s = side(1.0)
-                .zip(side(-1.0))
-                .map_or(0.0, |(right, left)| 0.5 * (right - left).abs());
+            let longer_s = |pixels: f32| {
+                delay_beside(pixels)
+                    .zip(delay_beside(-pixels))
+                    .map_or(0.0, |(right, left)| 0.5 * (right - left))
+            };
+            let mouth_px = self.composition.speaker.mouth_aside as f32 * belief.head.width;
             self.voices.push(Voice {
                 number: belief.number,
                 existence: belief.existence.probability(),
                 scout: belief.identity.is_none(),
                 delay_s,
-                deviation_s,
+                deviation_s: longer_s(belief.deviation[0]).abs(),
+                aside_s: longer_s(mouth_px),
             });
         }
         self.state.speaker.listen(

@@ -25,6 +25,8 @@ struct Tick {
     people: Vec<Person>,
     tracks: Vec<(u64, [f64; 2])>,
     speaker: Option<u64>,
+    /// The column from which sound comes, where it comes from the picture.
+    heard: Option<f64>,
 }
 
 #[derive(Debug)]
@@ -85,7 +87,22 @@ impl Observed {
             people: people.collect(),
             tracks: tracks.collect(),
             speaker: scene.speaker,
+            heard: scene.sounds.iter().find_map(|sound| sound.column_px),
         });
+    }
+
+    /// Mean distance of the columns that were heard from the head of the only one who spoke, pixels, over the moments in
+    /// which there is both: what sound tells before any filter. Nothing where there is none.
+    pub(crate) fn hearing_error(&self) -> Option<f64> {
+        let errors: Vec<f64> = self
+            .ticks
+            .iter()
+            .filter_map(|tick| {
+                let [column, _] = tick.only_speaker()?.pixel?;
+                Some((tick.heard? - column).abs())
+            })
+            .collect();
+        (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64)
     }
 
     /// How well the person with this number was followed. A track farther than `gate_px` is none; where there is none, the
@@ -289,6 +306,7 @@ mod tests {
             people: vec![person(1, 100.0), person(2, 200.0)],
             tracks: tracks.iter().map(|(id, u)| (*id, [*u, 50.0])).collect(),
             speaker,
+            heard: None,
         }
     }
 
@@ -330,6 +348,26 @@ mod tests {
             interval_s: 0.1,
         };
         assert_eq!(observed.right_speaker(30.0).unwrap(), Some(2.0 / 3.0));
+    }
+
+    #[test]
+    fn what_is_heard_is_judged_by_the_only_one_who_speaks() {
+        let said = [
+            ([true, false], 104.0),
+            ([true, true], 300.0),
+            ([false, true], 190.0),
+        ];
+        let ticks = said.iter().enumerate().map(|(n, (speaking, heard))| Tick {
+            heard: Some(*heard),
+            ..tick(n, &[], *speaking, None)
+        });
+        let mut observed = Observed {
+            ticks: ticks.collect(),
+            interval_s: 0.1,
+        };
+        assert_eq!(observed.hearing_error(), Some((4.0 + 10.0) / 2.0));
+        observed.ticks.truncate(0);
+        assert_eq!(observed.hearing_error(), None);
     }
 
     #[test]

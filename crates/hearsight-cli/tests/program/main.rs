@@ -6,4 +6,5 @@ mod bad_input;
 mod common;
 mod contracts;
 mod judging;
+mod reproducing;
 mod simulated;

@@ -86,6 +86,9 @@ pub struct Parameters {
     pub sound: Likelihood,
     /// Use eq. 8 as printed, whose likelihood is lowest at the peak. Default false; to show that it fails.
     pub printed_equation_8: bool,
+    /// Every sound draws everyone who is tracked, not only whoever speaks. Default false; the paper follows one person,
+    /// whose voice is all there is to hear.
+    pub one_talker: bool,
     /// How pictures are looked at.
     #[schemars(with = "Value")]
     pub vision: CameraSettings,
@@ -135,6 +138,7 @@ impl Default for Parameters {
             motion_shape: MotionSettings::default(),
             sound: likelihood(0.3, -3.0),
             printed_equation_8: false,
+            one_talker: false,
             vision: CameraSettings::default(),
             audio: ArraySettings::default(),
             momentum: MomentumSettings::default(),

@@ -18,7 +18,10 @@ pub(super) const INFO: CueInfo = CueInfo {
 
 /// Scores mouths by the correlation at their delay.
 #[derive(Clone, Debug, Default)]
-pub struct SoundCue;
+pub struct SoundCue {
+    /// Whether every sound is of the one person who is followed, as the paper has it, instead of whoever speaks.
+    pub one_talker: bool,
+}
 
 impl Cue for SoundCue {
     fn info(&self) -> &'static CueInfo {
@@ -36,11 +39,12 @@ impl Cue for SoundCue {
         if hypotheses.sounds.len() != scores.len() {
             return Evidence::Missing;
         }
+        let speaking = if self.one_talker { 1.0 } else { hypotheses.speaking };
         for (score, point) in scores.iter_mut().zip(hypotheses.sounds) {
             let height = point
                 .and_then(|point| array.delay_s(point))
                 .map_or(0.0, |delay_s| array.onset_height(delay_s));
-            *score = 1.0 - hypotheses.speaking * (1.0 - height);
+            *score = 1.0 - speaking * (1.0 - height);
         }
         Evidence::Scored
     }
