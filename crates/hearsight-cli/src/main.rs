@@ -34,6 +34,8 @@ enum Command {
     Track(commands::track::Arguments),
     /// Find out whether a room is sane: channels, clocks, levels, geometry, calibration.
     Check(commands::check::Arguments),
+    /// Learn the lens and place of a camera from a board, or clock, turn and place of an array from people who talk.
+    Calibrate(commands::calibrate::Arguments),
     /// Make recordings of a simulated room, with the exact truth.
     Simulate(commands::simulate::Arguments),
     /// Simulate a meeting, track it, judge the tracks and show them. Needs no data and no device.
@@ -52,6 +54,7 @@ fn main() -> ExitCode {
     let result = match arguments.command {
         Command::Track(arguments) => commands::track::run(&arguments),
         Command::Check(arguments) => commands::check::run(&arguments),
+        Command::Calibrate(arguments) => commands::calibrate::run(&arguments),
         Command::Simulate(arguments) => commands::simulate::run(&arguments),
         Command::Demo(arguments) => commands::demo::run(&arguments),
         Command::Evaluate(arguments) => commands::evaluate::run(&arguments),

@@ -10,6 +10,7 @@ pub(crate) mod claim;
 pub(crate) mod lockstep;
 pub(crate) mod observed;
 mod stac;
+mod three_mics;
 pub(crate) mod trials;
 
 use claim::Report;
@@ -17,7 +18,7 @@ use std::collections::BTreeMap;
 use trials::Results;
 
 /// Every experiment there is.
-pub(crate) const EXPERIMENTS: &[&Experiment] = &[&stac::EXPERIMENT];
+pub(crate) const EXPERIMENTS: &[&Experiment] = &[&stac::EXPERIMENT, &three_mics::EXPERIMENT];
 
 /// How much of an experiment is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -15,6 +15,7 @@
 //! It holds nothing of its own: every part is a crate, found here under its short name.
 
 pub use hearsight_audio as audio;
+pub use hearsight_calibrate as calibrate;
 pub use hearsight_core as core;
 pub use hearsight_engine as engine;
 pub use hearsight_eval as eval;

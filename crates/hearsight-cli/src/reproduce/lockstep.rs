@@ -4,6 +4,7 @@
 use super::observed::Observed;
 use hearsight::core::record::{SCENE_SCHEMA_VERSION, Scene};
 use hearsight::core::source::Delivery;
+use hearsight::core::truth::TruthRecord;
 use hearsight::core::{Moment, Span};
 use hearsight::media::{Camera, Microphones, MomentOptions, MomentReader};
 use hearsight::sim::simulation::Simulation;
@@ -35,6 +36,38 @@ pub(crate) fn observe(
         .ok_or_else(|| miette!("the scene has no camera"))?
         .name
         .clone();
+    let mut observed: Vec<Observed> = Vec::new();
+    follow(simulation, seed, variants, &mut |_| (), &mut |said| {
+        if observed.is_empty() {
+            observed.extend(variants.iter().map(|_| Observed::new(said.interval_s)));
+        }
+        observed[said.variant].push(&camera, said.scene, said.truth);
+    })?;
+    Ok(observed)
+}
+
+/// What one variant said of one tick, beside what was so.
+pub(crate) struct Said<'a> {
+    /// Place of the variant in the list.
+    pub(crate) variant: usize,
+    /// Time from tick to tick, seconds.
+    pub(crate) interval_s: f64,
+    /// What it said.
+    pub(crate) scene: &'a Scene,
+    /// What was so.
+    pub(crate) truth: &'a TruthRecord,
+}
+
+/// Runs the variants over the whole simulation, and gives each tick of each to `each`. `spoil` may damage a moment before
+/// any of them gets it, as broken devices do.
+pub(crate) fn follow(
+    simulation: &Simulation,
+    seed: u64,
+    variants: &[Variant],
+    spoil: &mut dyn FnMut(&mut Moment),
+    each: &mut dyn FnMut(Said<'_>),
+) -> miette::Result<()> {
+    let room = simulation.room();
     let cameras = room.cameras.iter().enumerate().map(|(number, sensor)| Camera {
         name: sensor.name.clone(),
         source: Box::new(simulation.camera(number)),
@@ -53,7 +86,6 @@ pub(crate) fn observe(
         systems.push(build(variant.system, &variant.parameters, &room, seed).into_diagnostic()?);
     }
     let interval_s = reader.tick().seconds();
-    let mut observed: Vec<Observed> = variants.iter().map(|_| Observed::new(interval_s)).collect();
     let (mut moment, mut scene) = (Moment::default(), Scene::default());
     while reader.read(&mut moment) == Delivery::Data {
         if moment.tick >= simulation.ticks() {
@@ -68,12 +100,18 @@ pub(crate) fn observe(
                 apart.seconds()
             ));
         }
-        for (system, observed) in systems.iter_mut().zip(&mut observed) {
+        spoil(&mut moment);
+        for (variant, system) in systems.iter_mut().enumerate() {
             step(system.as_mut(), &moment, &mut scene);
-            observed.push(&camera, &scene, &truth);
+            each(Said {
+                variant,
+                interval_s,
+                scene: &scene,
+                truth: &truth,
+            });
         }
     }
-    Ok(observed)
+    Ok(())
 }
 
 fn step(system: &mut dyn System, moment: &Moment, scene: &mut Scene) {

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a helper of a test fails it by panicking")]
 
 mod bad_input;
+mod calibrating;
 mod common;
 mod contracts;
 mod judging;

@@ -25,6 +25,9 @@ pub struct SteeredArraySettings {
     pub response: SteeredSettings,
     /// How the noise floor is followed.
     pub noise: NoiseSettings,
+    /// How many decibels above the noise floor a frequency must be to count; -100 counts all. Default 6. The phase transform
+    /// makes all frequencies equal, so that a fan beside the array is else louder than a voice in the room.
+    pub gate_db: f32,
     /// When sound counts as voice.
     pub activity: ActivitySettings,
 }
@@ -36,6 +39,7 @@ impl Default for SteeredArraySettings {
             hop_s: 0.08,
             response: SteeredSettings::default(),
             noise: NoiseSettings::default(),
+            gate_db: 6.0,
             activity: ActivitySettings::default(),
         }
     }
@@ -46,6 +50,7 @@ impl Default for SteeredArraySettings {
 pub struct SteeredState {
     framer: Framer,
     level: NoiseFloor,
+    spectrum: NoiseFloor,
     activity: ActivityDetector,
 }
 
@@ -66,6 +71,9 @@ pub struct SteeredPercepts {
     analyzer: SpectrumAnalyzer,
     spectra: Spectra,
     response: SteeredResponse,
+    /// Least power over that of the noise at which a frequency counts.
+    gate: f32,
+    power: Vec<f32>,
     ignored: u64,
 }
 
@@ -104,12 +112,29 @@ impl SteeredPercepts {
             hop: samples(settings.hop_s) as usize,
             ..FrameSettings::half_overlapping(settings.frame_s, array.rate_hz, array.channels)
         };
+        if !(settings.gate_db >= -100.0 && settings.gate_db <= 100.0) {
+            return Err(AudioError::Setting {
+                name: "gate_db",
+                rule: "within -100 and 100",
+                value: settings.gate_db.into(),
+            });
+        }
         let transform = transform_length(frames.length, microphones.max_delay_s(), array.rate_hz);
+        let analyzer = SpectrumAnalyzer::new(frames.length, transform, Window::Hann)?;
+        let noise_of_bins = NoiseFloor::of_spectra(
+            &settings.noise,
+            frames.hop_s(),
+            analyzer.bins(),
+            analyzer.window_energy(),
+        )?;
         Ok(Self {
-            analyzer: SpectrumAnalyzer::new(frames.length, transform, Window::Hann)?,
+            gate: 10.0_f32.powf(settings.gate_db / 10.0),
+            power: vec![0.0; analyzer.bins()],
+            analyzer,
             spectra: Spectra::default(),
             response: SteeredResponse::new(&microphones, transform, array.rate_hz, settings.response)?,
             state: SteeredState {
+                spectrum: noise_of_bins,
                 level: NoiseFloor::of_frames(&settings.noise, frames.hop_s(), frames.length)?,
                 activity: ActivityDetector::new(settings.activity)?,
                 framer: Framer::new(frames)?,
@@ -130,6 +155,7 @@ impl SteeredPercepts {
     pub fn check_state(&self, state: &SteeredState) -> Result<(), AudioError> {
         self.state.framer.check_saved(&state.framer)?;
         self.state.level.check_saved(&state.level)?;
+        self.state.spectrum.check_saved(&state.spectrum)?;
         self.state.activity.check_saved(&state.activity)
     }
 
@@ -153,10 +179,12 @@ impl SteeredPercepts {
         let SteeredState {
             framer,
             level,
+            spectrum,
             activity,
         } = &mut self.state;
         let hop_s = framer.settings().hop_s();
         let (analyzer, spectra, response) = (&mut self.analyzer, &mut self.spectra, &mut self.response);
+        let (gate, powers_of_bins) = (self.gate, &mut self.power);
         let mut failed = 0;
         let pushed = framer.push(block, |frame| {
             let powers: f32 = frame.channels.iter().map(|channel| mean_square(channel)).sum();
@@ -166,9 +194,14 @@ impl SteeredPercepts {
                 failed += 1;
             }
             let active = activity.observe(signal_to_noise_db, hop_s).active;
-            let observed = analyzer
-                .transform_all(frame.channels, spectra)
-                .and_then(|()| response.observe(&spectra.channels));
+            let observed = analyzer.transform_all(frame.channels, spectra).and_then(|()| {
+                mean_power(spectra, powers_of_bins);
+                if frame.filled == 0 {
+                    spectrum.observe(powers_of_bins)?;
+                }
+                leave_out_noise(spectra, powers_of_bins, spectrum.power(), gate);
+                response.observe(&spectra.channels)
+            });
             match observed {
                 Ok(()) => each(
                     response,
@@ -187,5 +220,27 @@ impl SteeredPercepts {
     /// Blocks and frames that could not be used since the start.
     pub fn ignored(&self) -> u64 {
         self.ignored
+    }
+}
+
+/// The mean power of all channels, bin by bin.
+fn mean_power(spectra: &Spectra, powers: &mut [f32]) {
+    powers.fill(0.0);
+    let share = 1.0 / spectra.channels.len().max(1) as f32;
+    for channel in &spectra.channels {
+        for (power, value) in powers.iter_mut().zip(channel) {
+            *power += share * value.norm_sqr();
+        }
+    }
+}
+
+/// Sets the bins to nothing that are not so many times as strong as the noise.
+fn leave_out_noise(spectra: &mut Spectra, powers: &[f32], noise: &[f32], gate: f32) {
+    for channel in &mut spectra.channels {
+        for ((value, power), noise) in channel.iter_mut().zip(powers).zip(noise) {
+            if *power < gate * noise {
+                *value = Default::default();
+            }
+        }
     }
 }
