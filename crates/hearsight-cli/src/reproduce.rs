@@ -7,6 +7,7 @@
 //! To add an experiment: its own file, its test, and a line in [`EXPERIMENTS`].
 
 pub(crate) mod claim;
+mod closed_loop;
 pub(crate) mod lockstep;
 pub(crate) mod observed;
 mod stac;
@@ -18,7 +19,8 @@ use std::collections::BTreeMap;
 use trials::Results;
 
 /// Every experiment there is.
-pub(crate) const EXPERIMENTS: &[&Experiment] = &[&stac::EXPERIMENT, &three_mics::EXPERIMENT];
+pub(crate) const EXPERIMENTS: &[&Experiment] =
+    &[&stac::EXPERIMENT, &closed_loop::EXPERIMENT, &three_mics::EXPERIMENT];
 
 /// How much of an experiment is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,6 +4,7 @@
 //! files that it names and checks that it makes sense. Paths are relative to the configuration file.
 
 mod geometry;
+mod panoramas;
 mod parameters;
 mod parse;
 pub mod raw;
@@ -15,5 +16,6 @@ pub use hearsight_core::configuration::{ConfigurationError, Overrides, Problem};
 pub use parse::{parse, room_schema};
 pub use resolve::{load, load_room, resolve};
 pub use resolved::{
-    Input, ResolvedArray, ResolvedCamera, ResolvedOutput, ResolvedRoom, ResolvedRun, ResolvedSystem,
+    Input, ResolvedArray, ResolvedCamera, ResolvedOutput, ResolvedRing, ResolvedRoom, ResolvedRun,
+    ResolvedSystem,
 };

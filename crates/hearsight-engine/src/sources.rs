@@ -1,9 +1,11 @@
 //! Opens the sensors of a room, and checks that they fit each other.
 
 mod fit;
+mod panorama;
 
 use crate::config::{Input, ResolvedArray, ResolvedCamera, ResolvedRoom};
 use crate::error::EngineError;
+use hearsight_core::camera::Camera;
 use hearsight_core::room::{ArraySensor, CameraSensor, Room};
 use hearsight_core::source::{AudioSource, VideoSource};
 use hearsight_core::{Instant, Span};
@@ -32,15 +34,23 @@ pub(crate) fn open(configuration: &ResolvedRoom) -> Result<Sources, EngineError>
         .flatten()
         .min();
     let clock = RunClock::starting_at(configuration.run.from.or(first).unwrap_or(Instant::ZERO));
-    let mut cameras = Vec::new();
+    let (mut cameras, mut made) = (Vec::new(), Vec::new());
     for camera in &configuration.cameras {
-        cameras.push(open_camera(camera, clock)?);
+        let (source, calibration) = match &camera.ring {
+            Some(ring) => {
+                let (source, calibration) = panorama::open(camera, ring, clock)?;
+                (source, Some(calibration))
+            }
+            None => (open_camera(camera, clock)?, None),
+        };
+        cameras.push(source);
+        made.push(calibration);
     }
     let mut arrays = Vec::new();
     for array in &configuration.arrays {
         arrays.push(open_array(array, clock)?);
     }
-    align(configuration, cameras, arrays, clock)
+    align(configuration, cameras, &made, arrays, clock)
 }
 
 /// Sources of the caller's own instead of what the configuration names.
@@ -59,17 +69,18 @@ pub(crate) fn take(
         .chain(arrays.iter().map(|array| array.format().start))
         .min();
     let clock = RunClock::starting_at(configuration.run.from.or(first).unwrap_or(Instant::ZERO));
-    align(configuration, cameras, arrays, clock)
+    align(configuration, cameras, &[], arrays, clock)
 }
 
 /// Checks that sensors fit each other, and puts them on one clock.
 fn align(
     configuration: &ResolvedRoom,
     cameras: Vec<Box<dyn VideoSource>>,
+    made: &[Option<Camera>],
     arrays: Vec<Box<dyn AudioSource>>,
     clock: RunClock,
 ) -> Result<Sources, EngineError> {
-    let room = room(configuration, &cameras, &arrays)?;
+    let room = room(configuration, &cameras, made, &arrays)?;
     let ranges = fit::ranges(&room, &cameras, &arrays);
     fit::check(&room, &ranges, configuration)?;
     let live =
@@ -113,7 +124,11 @@ fn align(
 pub(crate) fn open_each(configuration: &ResolvedRoom) -> Vec<(String, Result<String, EngineError>)> {
     let clock = RunClock::starting_at(Instant::ZERO);
     let cameras = configuration.cameras.iter().map(|camera| {
-        let opened = open_camera(camera, clock).map(|source| {
+        let opened = match &camera.ring {
+            Some(ring) => panorama::open(camera, ring, clock).map(|(source, _)| source),
+            None => open_camera(camera, clock),
+        };
+        let opened = opened.map(|source| {
             let format = source.format();
             let rate = 1.0 / format.interval.seconds();
             let length = match format.frames {
@@ -178,6 +193,13 @@ fn open_camera(camera: &ResolvedCamera, clock: RunClock) -> Result<Box<dyn Video
     Ok(Box::new(LiveVideo::spawn(source, &queue).map_err(no_thread)?))
 }
 
+/// There is no file behind a panorama.
+fn nothing(name: &str) -> MediaError {
+    MediaError::Missing {
+        location: name.to_owned(),
+    }
+}
+
 fn camera_source(camera: &ResolvedCamera, run: RunClock) -> Result<Box<dyn VideoSource>, MediaError> {
     let clock = source_clock(camera.start, camera.drift_ppm, run);
     let name = camera.name.clone();
@@ -197,6 +219,8 @@ fn camera_source(camera: &ResolvedCamera, run: RunClock) -> Result<Box<dyn Video
         input,
     };
     let location = match &camera.input {
+        // Opened as what it is made of.
+        Input::Panorama => return Err(nothing(&camera.name)),
         Input::File(path) | Input::Images(path) => return Ok(Box::new(VideoFile::open(path, options)?)),
         Input::Device(location) | Input::Stream(location) => location,
     };
@@ -239,6 +263,7 @@ fn array_source(array: &ResolvedArray, run: RunClock) -> Result<Box<dyn AudioSou
         input: input_options(&array.format, &array.options),
     };
     let location = match &array.input {
+        Input::Panorama => return Err(nothing(&array.name)),
         Input::File(path) | Input::Images(path) => return Ok(Box::new(AudioFile::open(path, options)?)),
         Input::Device(location) | Input::Stream(location) => location,
     };
@@ -271,9 +296,11 @@ fn no_thread(error: std::io::Error) -> EngineError {
 fn room(
     configuration: &ResolvedRoom,
     cameras: &[Box<dyn VideoSource>],
+    made: &[Option<Camera>],
     arrays: &[Box<dyn AudioSource>],
 ) -> Result<Room, EngineError> {
-    let cameras = configuration.cameras.iter().zip(cameras).map(|(camera, source)| {
+    let cameras = configuration.cameras.iter().zip(cameras).enumerate();
+    let cameras = cameras.map(|(number, (camera, source))| {
         let format = source.format();
         let lens = camera.calibration.as_ref();
         let calibration = lens
@@ -284,10 +311,12 @@ fn room(
             width: format.width,
             height: format.height,
             interval: format.interval,
-            calibration: calibration.map_err(|source| EngineError::Calibration {
-                camera: camera.name.clone(),
-                source,
-            })?,
+            calibration: calibration
+                .map_err(|source| EngineError::Calibration {
+                    camera: camera.name.clone(),
+                    source,
+                })?
+                .or(made.get(number).copied().flatten()),
         })
     });
     let arrays = configuration.arrays.iter().zip(arrays).map(|(array, source)| {

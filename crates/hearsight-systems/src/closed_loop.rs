@@ -72,7 +72,7 @@ fn build(given: &Value, room: &Room, seed: u64) -> Result<Box<dyn System>, Syste
         room,
         Some(parameters.audio),
         unheard(room),
-        |camera, ears| plan(&parameters, room, camera, ears, seed),
+        |room, camera, ears| plan(&parameters, room, camera, ears, seed),
     )
 }
 

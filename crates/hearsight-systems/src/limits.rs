@@ -136,6 +136,7 @@ pub(crate) const COMMON: &[Limit] = &[
     ("appearance.memory_s", 0.001, 3600.0),
     share("appearance.inside"),
     ("speaker.tolerance_s", 0.0, 0.1),
+    ("speaker.tolerance_rad", 0.001, 1.0),
     ("speaker.mouth_aside", 0.0, 10.0),
     ("speaker.turned_s", 0.001, 3600.0),
     ("speaker.turn_s", 0.001, 3600.0),

@@ -52,7 +52,7 @@ fn build(parameters: &Value, room: &Room, seed: u64) -> Result<Box<dyn System>, 
         Modality::Video => (None, Vec::new()),
         Modality::AudioVisual | Modality::Audio => (Some(parameters.audio), unheard(room)),
     };
-    Views::build(INFO.name, room, audio, warnings, |camera, ears| {
+    Views::build(INFO.name, room, audio, warnings, |room, camera, ears| {
         plan(&parameters, room, camera, ears, seed)
     })
 }

@@ -13,7 +13,9 @@ use hearsight_core::{Instant, Moment, Rectangle, Span};
 use hearsight_filter::FilterError;
 use hearsight_tracking::belief::Belief;
 use hearsight_tracking::closed_loop::{SoundFix, SoundTracker};
-use hearsight_tracking::percepts::{ArrayPercepts, ArraySettings, ArrayState, CameraPercepts, CameraState};
+use hearsight_tracking::percepts::{
+    ArrayPercepts, ArraySettings, ArrayState, CameraPercepts, CameraState, Pairs, RoundPicture, Turn,
+};
 use hearsight_tracking::sound_map::SoundMap;
 use hearsight_tracking::system::{Bars, StateError, System};
 use hearsight_tracking::tracker::{Composition, MOST_NUMBERED, ViewState, ViewTracker};
@@ -38,7 +40,7 @@ pub(crate) struct Ears {
     pub(crate) array: Option<(usize, String)>,
     /// Its percepts.
     pub(crate) heard: Option<ArrayPercepts>,
-    /// Its delays over the columns.
+    /// Its delays over the columns of the picture that is looked at.
     pub(crate) map: Option<SoundMap>,
 }
 
@@ -48,6 +50,8 @@ struct View {
     name: String,
     array: Option<(usize, String)>,
     seen: CameraPercepts,
+    /// Where the picture goes all round.
+    round: Option<RoundPicture>,
     heard: Option<ArrayPercepts>,
     tracker: ViewTracker,
     alone: Option<Rectangle>,
@@ -140,6 +144,17 @@ impl Ears {
             .iter()
             .position(|array| array.camera == Some(camera) && is_placed(array));
         let array = paired.map(|index| (index, room.arrays[index].name.clone()));
+        // One pair cannot tell front from back: a picture that goes all round is listened to with all.
+        let turn = room.cameras[camera].calibration.as_ref().and_then(Turn::of);
+        let all = |index: usize| turn.is_some() && ArrayPercepts::hears_around(&room.arrays[index]);
+        let settings = ArraySettings {
+            pairs: if paired.is_some_and(all) {
+                Pairs::All
+            } else {
+                settings.pairs
+            },
+            ..settings
+        };
         let heard = paired
             .map(|index| ArrayPercepts::new(settings, &room.arrays[index], room.speed_of_sound_m_s))
             .transpose()
@@ -156,7 +171,7 @@ impl Ears {
 }
 
 impl Views {
-    /// A system called `name` of one view a camera, each planned by `plan` from the camera's index and its ears. Without
+    /// A system called `name` of one view a camera, each planned by `plan` from the room, the camera's index and its ears. Without
     /// `audio` nothing is listened to. `warnings` are what it cannot do in this room.
     ///
     /// # Errors
@@ -166,7 +181,7 @@ impl Views {
         room: &Room,
         audio: Option<ArraySettings>,
         warnings: Vec<String>,
-        plan: impl Fn(usize, &Ears) -> Result<Plan, SystemError>,
+        plan: impl Fn(&Room, usize, &Ears) -> Result<Plan, SystemError>,
     ) -> Result<Box<dyn System>, SystemError> {
         if room.cameras.is_empty() {
             return Err(SystemError::Room {
@@ -175,6 +190,12 @@ impl Views {
             });
         }
         let mut views = Vec::new();
+        let turns: Vec<Option<Turn>> = room
+            .cameras
+            .iter()
+            .map(|camera| camera.calibration.as_ref().and_then(Turn::of))
+            .collect();
+        let room = &widened(room, &turns);
         for (camera, sensor) in room.cameras.iter().enumerate() {
             let ears = Ears::of(camera, room, audio, name)?;
             let Plan {
@@ -182,7 +203,7 @@ impl Views {
                 seen,
                 alone,
                 sound,
-            } = plan(camera, &ears)?;
+            } = plan(room, camera, &ears)?;
             let Ears { array, heard, map } = ears;
             views.push(View {
                 camera,
@@ -190,7 +211,14 @@ impl Views {
                 array,
                 seen,
                 heard,
-                tracker: ViewTracker::new(composition),
+                round: turns[camera].map(RoundPicture::new),
+                tracker: {
+                    let mut tracker = ViewTracker::new(composition);
+                    if let Some(turn) = turns[camera] {
+                        tracker.go_round(turn);
+                    }
+                    tracker
+                },
                 alone,
                 width_px: sensor.width as f32,
                 map,
@@ -240,7 +268,10 @@ impl View {
         let frame = moment.video.get(self.camera).and_then(|frame| frame.get());
         if let Some(frame) = frame {
             if self.alone.is_none() {
-                self.seen.see(frame);
+                match &mut self.round {
+                    Some(round) => self.seen.see(round.widen(frame)),
+                    None => self.seen.see(frame),
+                }
             }
             self.frame = frame.number;
         }
@@ -274,9 +305,17 @@ impl View {
         let speaker = self.tracker.speaking();
         let head = |belief: &Belief| (belief.identity == speaker).then(|| belief.head.centre().0);
         Bars {
-            sound: self.fix.map(|fix| fix.column_px as f32),
-            fused: speaker.and_then(|_| self.tracker.published().find_map(head)),
+            sound: self.fix.map(|fix| self.narrow(fix.column_px as f32)),
+            fused: speaker
+                .and_then(|_| self.tracker.published().find_map(head))
+                .map(|column| self.narrow(column)),
         }
+    }
+
+    /// A column of the picture that is looked at in the picture as it came.
+    fn narrow(&self, column: f32) -> f32 {
+        let turn = self.round.as_ref().map(RoundPicture::turn);
+        turn.map_or(column, |turn| turn.narrow(column))
     }
 
     /// Adds its tracks and sounds behind the first `tracks` and `sounds` of the scene, which are of other views.
@@ -296,7 +335,8 @@ impl View {
             if let Some(view) = record.views.first_mut() {
                 view.camera.clone_from(&self.name);
                 view.frame = self.frame;
-                view.head = BoxRecord::from(belief.head);
+                let turn = self.round.as_ref().map(RoundPicture::turn);
+                view.head = BoxRecord::from(turn.map_or(belief.head, |turn| turn.narrow_box(&belief.head)));
                 view.deviation_px = belief.deviation.map(f64::from);
             }
             record.speaking = speaker == Some(id);
@@ -313,8 +353,12 @@ impl View {
             if let Some(delay_s) = heard.onset_delay_s().filter(|_| onset).or_else(talker_s) {
                 let record = next_sound(&mut scene.sounds, sounds);
                 record.array.clone_from(array);
-                record.delay_s = delay_s;
-                record.column_px = self.map.as_ref().and_then(|map| map.column(delay_s));
+                record.delay_s = heard.first_delay_s(delay_s);
+                let column = self.map.as_ref().and_then(|map| map.column(delay_s));
+                record.column_px = column.map(|column| match &self.round {
+                    Some(_) => f64::from(self.narrow(column as f32)),
+                    None => column,
+                });
                 record.signal_to_noise_db = heard.signal_to_noise_db().into();
                 record.from_onset = onset;
                 (record.position_m, record.deviation_m) = (None, None);
@@ -324,6 +368,17 @@ impl View {
             scene.speaker = scene.speaker.or(speaker);
         }
     }
+}
+
+/// The room as it is looked at: pictures that go all round with margins.
+fn widened(room: &Room, turns: &[Option<Turn>]) -> Room {
+    let mut room = room.clone();
+    for (camera, turn) in room.cameras.iter_mut().zip(turns) {
+        let Some(turn) = turn else { continue };
+        camera.width = turn.widened();
+        camera.calibration = camera.calibration.map(|calibration| turn.widen(&calibration));
+    }
+    room
 }
 
 /// The record behind the first `count`, which is counted; a new one where there is none.
@@ -478,6 +533,12 @@ impl System for Views {
 
     fn bars(&self, camera: usize) -> Bars {
         self.views.get(camera).map_or_else(Bars::default, View::bars)
+    }
+
+    fn reliabilities(&self, camera: usize, track: u64) -> Option<[f64; 3]> {
+        let mut beliefs = self.views.get(camera)?.tracker.published();
+        let belief = beliefs.find(|belief| belief.identity == Some(track))?;
+        Some(belief.trackers.as_ref()?.reliabilities)
     }
 
     fn warnings(&self) -> &[String] {

@@ -3,6 +3,7 @@
 use crate::body::Part;
 use crate::closed_loop::LoopState;
 use crate::life_cycle::Encounter;
+use crate::percepts::beside;
 use hearsight_core::{Instant, Rectangle, Span};
 use hearsight_filter::{Generator, Particles};
 use hearsight_vision::histogram::Histogram;
@@ -49,6 +50,8 @@ pub struct Belief {
     pub stirred_s: f64,
     /// Weighted mean of the particles, as a head box in the picture.
     pub head: Rectangle,
+    /// Columns of a full turn, where the picture goes all round; 0 elsewhere.
+    pub turn_px: f32,
     /// How the head's centre moves (x, y), pixels a second.
     pub velocity_px_s: [f32; 2],
     /// Standard deviation of the head's centre (x, y), pixels.
@@ -59,6 +62,13 @@ pub struct Belief {
     pub speaking: f64,
     /// What the trackers of a closed loop remember, where a system has them.
     pub trackers: Option<LoopState>,
+}
+
+impl Belief {
+    /// The head as near to another as whole turns bring it.
+    pub(crate) fn head_beside(&self, other: &Rectangle) -> Rectangle {
+        beside(&self.head, other, self.turn_px)
+    }
 }
 
 /// Colour histograms of the parts of one person, each learnt when it was first seen well.

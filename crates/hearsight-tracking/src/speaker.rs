@@ -19,6 +19,8 @@ pub struct SpeakerSettings {
     /// 6.0e-5: 2 cm of path, from calibration, the size of heads and the width of a peak. Raising it forgives bad
     /// calibration and confuses neighbours.
     pub tolerance_s: f64,
+    /// The same of the azimuth where a whole array is listened to, radians. Default 0.07: four degrees.
+    pub tolerance_rad: f64,
     /// How far the mouth may be beside the middle of the head, as a share of the head's width. Default 0.2: the mouth
     /// of a head that is turned aside is near the edge of its box. Raising it forgives turned heads and confuses
     /// neighbours.
@@ -49,6 +51,7 @@ impl Default for SpeakerSettings {
     fn default() -> Self {
         Self {
             tolerance_s: 6.0e-5,
+            tolerance_rad: 0.07,
             mouth_aside: 0.2,
             turned_s: 1.0,
             turn_s: 2.0,
@@ -72,7 +75,8 @@ pub struct Voice {
     /// Whether it is a scout, which may be a part of somebody else: it is not thought of as beginning a turn, and
     /// speaks only where an unseen talker was heard before.
     pub scout: bool,
-    /// Delay of the mouth, seconds, where known.
+    /// Delay of the mouth, seconds, where known; its azimuth, radians, where a whole array is listened to, as are all
+    /// delays of this module then.
     pub delay_s: Option<f64>,
     /// Standard deviation of that delay by the spread of the belief, seconds.
     pub deviation_s: f64,
@@ -95,8 +99,18 @@ pub struct Speaker {
     unseen: Vec<f64>,
     /// Seconds from one delay to the next.
     step_s: f64,
+    /// Whether the curve goes once all round: over azimuths.
+    circular: bool,
     people: Vec<Person>,
     listened: bool,
+}
+
+/// The places of the curve.
+#[derive(Clone, Copy)]
+struct Places {
+    count: usize,
+    step_s: f64,
+    circular: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -132,6 +146,7 @@ impl Default for Speaker {
             silence: 1.0,
             unseen: Vec::new(),
             step_s: 0.0,
+            circular: false,
             people: Vec::new(),
             listened: false,
         }
@@ -154,10 +169,14 @@ impl Speaker {
 
     /// The probability that an unseen talker is at a delay, within its tolerance, 0 to 1.
     pub fn unseen_near(&self, delay_s: f64, settings: &SpeakerSettings) -> f64 {
-        let reach_s = 3.0 * settings.tolerance_s;
+        let reach_s = 3.0 * self.tolerance(settings);
+        let turn_s = self.step_s * self.unseen.len() as f64;
         let places = self.unseen.iter().enumerate();
         places
-            .filter(|(index, _)| (self.delay_of(*index) - delay_s).abs() <= reach_s)
+            .filter(|(index, _)| {
+                let apart_s = (self.delay_of(*index) - delay_s).abs();
+                apart_s <= reach_s || (self.circular && turn_s - apart_s <= reach_s)
+            })
             .map(|(_, probability)| probability)
             .sum()
     }
@@ -192,6 +211,7 @@ impl Speaker {
     ) {
         let curve = direction.log_ratio();
         let [sound_s, silence_s] = [direction.sound_s(), direction.silence_s()];
+        self.circular = direction.is_circular();
         self.take(
             voices,
             &curve.values,
@@ -231,6 +251,22 @@ impl Speaker {
         self.listened = true;
     }
 
+    fn places(&self) -> Places {
+        Places {
+            count: self.unseen.len(),
+            step_s: self.step_s,
+            circular: self.circular,
+        }
+    }
+
+    fn tolerance(&self, settings: &SpeakerSettings) -> f64 {
+        if self.circular {
+            settings.tolerance_rad
+        } else {
+            settings.tolerance_s
+        }
+    }
+
     fn delay_of(&self, index: usize) -> f64 {
         (index as f64 - (self.unseen.len() / 2) as f64) * self.step_s
     }
@@ -244,11 +280,12 @@ impl Speaker {
                 continue;
             }
             self.people.remove(place);
+            let (places, tolerance) = (self.places(), self.tolerance(settings));
             for (aside, probability) in person.speaks.into_iter().enumerate() {
-                let places = || person.near(aside, self.unseen.len(), self.step_s, settings);
-                let sum: f64 = places().map(|(_, weight)| weight).sum();
+                let near = || person.near(aside, places, tolerance);
+                let sum: f64 = near().map(|(_, weight)| weight).sum();
                 if sum > 0.0 {
-                    for (index, weight) in places() {
+                    for (index, weight) in near() {
                         self.unseen[index] += probability * weight / sum;
                     }
                 } else {
@@ -320,10 +357,12 @@ impl Speaker {
         }
         let side = (0.5 * variance / passes).min(0.25);
         for _ in 0..passes as usize {
-            let mut before = self.unseen[0];
+            let (first, last) = (self.unseen[0], self.unseen[self.unseen.len() - 1]);
+            let mut before = if self.circular { last } else { first };
             for index in 0..self.unseen.len() {
                 let own = self.unseen[index];
-                let after = self.unseen.get(index + 1).copied().unwrap_or(own);
+                let end = if self.circular { first } else { own };
+                let after = self.unseen.get(index + 1).copied().unwrap_or(end);
                 self.unseen[index] = own + side * (before - 2.0 * own + after);
                 before = own;
             }
@@ -333,10 +372,10 @@ impl Speaker {
     /// Lets people take over from unseen talkers at their own delay.
     fn claim(&mut self, elapsed_s: f64, settings: &SpeakerSettings) {
         let rate = 1.0 - (-elapsed_s / settings.claim_s.max(1e-3)).exp();
-        let count = self.unseen.len();
+        let (places, tolerance) = (self.places(), self.tolerance(settings));
         for person in &mut self.people {
             for aside in 0..ASIDE.len() {
-                for (index, weight) in person.near(aside, count, self.step_s, settings) {
+                for (index, weight) in person.near(aside, places, tolerance) {
                     let taken = rate * person.existence * weight * self.unseen[index];
                     self.unseen[index] -= taken;
                     person.speaks[aside] += taken;
@@ -354,11 +393,12 @@ impl Speaker {
         let highest = log_ratio.iter().copied().fold(0.0, f32::max);
         let likelihood = |index: usize| f64::from(log_ratio[index] - highest).exp();
         let count = log_ratio.len();
+        let (places, tolerance) = (self.places(), self.tolerance(settings));
         let everywhere = (0..count).map(likelihood).sum::<f64>() / count.max(1) as f64;
         for person in &mut self.people {
             for aside in 0..ASIDE.len() {
                 let (mut sum, mut weights) = (0.0, 0.0);
-                for (index, weight) in person.near(aside, count, self.step_s, settings) {
+                for (index, weight) in person.near(aside, places, tolerance) {
                     sum += weight * likelihood(index);
                     weights += weight;
                 }
@@ -432,30 +472,42 @@ impl Person {
         if self.scout { 0.0 } else { self.existence }
     }
 
-    /// The places of a curve of `count` delays near the person's own with the mouth at a place of [`ASIDE`], each with
+    /// The places of a curve near the person's own with the mouth at a place of [`ASIDE`], each with
     /// its weight: a Gaussian, 1 in the middle.
     fn near(
         &self,
         aside: usize,
-        count: usize,
-        step_s: f64,
-        settings: &SpeakerSettings,
+        places: Places,
+        tolerance: f64,
     ) -> impl Iterator<Item = (usize, f64)> + use<> {
-        let deviation = settings.tolerance_s.hypot(self.deviation_s).max(1e-9) / step_s;
+        let Places {
+            count,
+            step_s,
+            circular,
+        } = places;
+        let deviation = tolerance.hypot(self.deviation_s).max(1e-9) / step_s;
         let last = count.saturating_sub(1) as f64;
-        let middle = self.delay_s.map(|delay_s| {
-            ((delay_s + ASIDE[aside] * self.aside_s) / step_s + (count / 2) as f64).clamp(0.0, last)
-        });
-        let middle = middle.filter(|middle| middle.is_finite() && deviation.is_finite());
+        let middle = self
+            .delay_s
+            .map(|delay_s| (delay_s + ASIDE[aside] * self.aside_s) / step_s + (count / 2) as f64);
+        let middle = middle.map(|middle| if circular { middle } else { middle.clamp(0.0, last) });
+        let middle =
+            middle.filter(|middle| middle.is_finite() && deviation.is_finite() && middle.abs() < 1e9);
         let range = middle.map_or(0..0, |middle| {
-            let first = (middle - 3.0 * deviation).floor().max(0.0) as usize;
-            let last = (middle + 3.0 * deviation).ceil().min(count as f64) as usize;
-            first..last.saturating_add(1).min(count)
+            // All round no place comes twice.
+            let reach = (3.0 * deviation).min(if circular { 0.5 * last } else { f64::INFINITY });
+            let (first, end) = ((middle - reach).floor(), (middle + reach).ceil());
+            if circular {
+                first as i64..(end as i64).min(first as i64 + count as i64 - 1) + 1
+            } else {
+                first.max(0.0) as i64..((end.min(count as f64) as i64).saturating_add(1)).min(count as i64)
+            }
         });
         let middle = middle.unwrap_or(0.0);
         range.map(move |index| {
             let distance = (index as f64 - middle) / deviation;
-            (index, (-0.5 * distance * distance).exp())
+            let place = index.rem_euclid(count.max(1) as i64) as usize;
+            (place, (-0.5 * distance * distance).exp())
         })
     }
 }

@@ -52,6 +52,12 @@ pub trait System: Send {
         Bars::default()
     }
 
+    /// Reliabilities, 0 to 1, of the contour, colour and sound trackers of a track in the picture of `camera`; none unless a
+    /// system has such trackers.
+    fn reliabilities(&self, _camera: usize, _track: u64) -> Option<[f64; 3]> {
+        None
+    }
+
     /// Numbers that were not finite and were set aside since the start.
     fn quarantined(&self) -> u64;
 }

@@ -17,7 +17,7 @@ use crate::life_cycle::{
     log_ratio, may_begin, may_publish, meet, same_place, settle, surroundings, weaker,
 };
 use crate::momentum::{self, MomentumSettings};
-use crate::percepts::{ArrayPercepts, CameraPercepts};
+use crate::percepts::{ArrayPercepts, CameraPercepts, Turn};
 use crate::speaker::{Speaker, SpeakerSettings, Voice, decide};
 use crate::stage::{self, Scratch, Sight, Stage};
 use hearsight_core::{Instant, Rectangle, Span};
@@ -105,6 +105,7 @@ pub struct ViewTracker {
     voices: Vec<Voice>,
     histogram: Histogram,
     quarantined: u64,
+    turn: Option<Turn>,
 }
 
 impl ViewTracker {
@@ -123,7 +124,13 @@ impl ViewTracker {
             voices: Vec::new(),
             histogram: Histogram::default(),
             quarantined: 0,
+            turn: None,
         }
+    }
+
+    /// Pictures go all round from now on, and are widened by margins ([`crate::percepts::RoundPicture`]).
+    pub fn go_round(&mut self, turn: Turn) {
+        self.turn = Some(turn);
     }
 
     /// What is remembered.
@@ -187,7 +194,34 @@ impl ViewTracker {
         );
         self.exclude(elapsed);
         self.bury();
-        self.give_birth(camera, array, now)
+        self.give_birth(camera, array, now)?;
+        self.wrap()
+    }
+
+    /// Moves everybody who has left the middle turn of a picture that goes all round by one turn.
+    fn wrap(&mut self) -> Result<(), FilterError> {
+        let Some(turn) = self.turn else { return Ok(()) };
+        for belief in &mut self.state.beliefs {
+            let shift = turn.shift(belief.head.centre().0);
+            if shift == 0.0 {
+                continue;
+            }
+            belief.head.left += shift;
+            for particle in 0..belief.particles.count() {
+                let mut state = [0.0; MOST_DIMENSIONS];
+                let mut dimensions = 0;
+                for (value, from) in state.iter_mut().zip(belief.particles.state(particle)) {
+                    *value = from;
+                    dimensions += 1;
+                }
+                state[0] += shift;
+                belief.particles.set_state(particle, &state[..dimensions])?;
+            }
+            if let Some(trackers) = &mut belief.trackers {
+                trackers.shift(f64::from(shift))?;
+            }
+        }
+        Ok(())
     }
 
     /// Listens: updates who speaks. To be called at every moment with sound, after [`ViewTracker::see`].
@@ -208,7 +242,7 @@ impl ViewTracker {
             let longer_s = |pixels: f32| {
                 delay_beside(pixels)
                     .zip(delay_beside(-pixels))
-                    .map_or(0.0, |(right, left)| 0.5 * (right - left))
+                    .map_or(0.0, |(right, left)| 0.5 * array.difference(left, right))
             };
             let mouth_px = self.composition.speaker.mouth_aside as f32 * belief.head.width;
             self.voices.push(Voice {
@@ -330,7 +364,7 @@ impl ViewTracker {
                     && other != place
                     && is_nearer(front, behind)
                 {
-                    self.covers.extend(bodies(&front.head));
+                    self.covers.extend(bodies(&front.head_beside(&behind.head)));
                 }
             }
         }
@@ -375,7 +409,7 @@ impl ViewTracker {
         self.state.beliefs.iter().enumerate().any(|(other, belief)| {
             other != place
                 && belief.identity.is_some()
-                && bodies(&belief.head).iter().any(|theirs| {
+                && bodies(&belief.head_beside(detection)).iter().any(|theirs| {
                     own.iter()
                         .any(|own| own.intersection(theirs).area() > 0.1 * own.area())
                 })
@@ -395,12 +429,14 @@ impl ViewTracker {
             Situation::Leaving
         } else if belief.occluded {
             Situation::Occluded
-        } else if camera.change_share(&belief.head).is_some_and(|share| share < 0.5) {
-            Situation::Absent
         } else {
-            match belief.trackers.as_ref().map(|trackers| trackers.verdict) {
-                None | Some(Verdict::Open) => Situation::Present,
+            let verdict = belief.trackers.as_ref().map(|trackers| trackers.verdict);
+            let absent = camera.change_share(&belief.head).is_some_and(|share| share < 0.5);
+            match verdict {
+                // Who sits still for long becomes background, and is there all the same.
                 Some(Verdict::Verified) => Situation::Verified,
+                _ if absent => Situation::Absent,
+                None | Some(Verdict::Open) => Situation::Present,
                 Some(Verdict::Refuted) => Situation::Refuted,
             }
         };
@@ -555,7 +591,12 @@ impl ViewTracker {
             // Where an unseen talker is heard, half a body at the edge of the picture is enough.
             let doubtful = !is_clear_of_edges(&detection, camera.size().0, settings)
                 || camera.detections()[number].score < settings.score;
-            if self.association.is_taken(number)
+            // What lies in a margin is seen in the middle turn too.
+            let again = self
+                .turn
+                .is_some_and(|turn| turn.shift(detection.centre().0) != 0.0);
+            if again
+                || self.association.is_taken(number)
                 || (crowded && !self.faces[number])
                 || (doubtful && !self.is_heard(&detection, array))
                 || !may_begin(&detection, &self.state.beliefs, &self.composition.birth)
@@ -585,6 +626,7 @@ impl ViewTracker {
             }
             let mut belief = newborn(belief_number, particles, random, detection, now);
             belief.appearance = appearance;
+            belief.turn_px = self.turn.map_or(0.0, |turn| turn.columns as f32);
             belief.face_seen = self.faces[number];
             self.state.beliefs.push(belief);
         }
@@ -615,6 +657,7 @@ fn newborn(number: u64, particles: Particles, generator: Generator, head: Rectan
         face_seen: false,
         stirred_s: 0.0,
         head,
+        turn_px: 0.0,
         velocity_px_s: [0.0; 2],
         deviation: [0.0; 2],
         speaking: 0.0,

@@ -3,6 +3,7 @@
 
 use super::observed::Observed;
 use hearsight::core::record::{SCENE_SCHEMA_VERSION, Scene};
+use hearsight::core::room::Room;
 use hearsight::core::source::Delivery;
 use hearsight::core::truth::TruthRecord;
 use hearsight::core::{Moment, Span};
@@ -81,10 +82,41 @@ pub(crate) fn follow(
     let arrays = arrays.collect::<miette::Result<Vec<_>>>()?;
     let mut reader =
         MomentReader::new(cameras.collect(), arrays, MomentOptions::default()).into_diagnostic()?;
-    let mut systems = Vec::new();
-    for variant in variants {
-        systems.push(build(variant.system, &variant.parameters, &room, seed).into_diagnostic()?);
-    }
+    let mut systems = build_all(variants, &room, seed)?;
+    let interval_s = reader.tick().seconds();
+    run(simulation, &mut reader, &mut systems, spoil, &mut |variant, _, scene, truth| {
+        each(Said {
+            variant,
+            interval_s,
+            scene,
+            truth,
+        });
+    })
+}
+
+/// The variants as systems for one room.
+pub(crate) fn build_all(
+    variants: &[Variant],
+    room: &Room,
+    seed: u64,
+) -> miette::Result<Vec<Box<dyn System>>> {
+    let built = variants
+        .iter()
+        .map(|variant| build(variant.system, &variant.parameters, room, seed).into_diagnostic());
+    built.collect()
+}
+
+/// What is told of a step: the number of the system, the system, what it said, and what was so.
+pub(crate) type Each<'a> = dyn FnMut(usize, &dyn System, &Scene, &TruthRecord) + 'a;
+
+/// Runs systems over what `reader` gives of a simulation, side by side, and tells `each` of every step.
+pub(crate) fn run(
+    simulation: &Simulation,
+    reader: &mut MomentReader,
+    systems: &mut [Box<dyn System>],
+    spoil: &mut dyn FnMut(&mut Moment),
+    each: &mut Each<'_>,
+) -> miette::Result<()> {
     let interval_s = reader.tick().seconds();
     let (mut moment, mut scene) = (Moment::default(), Scene::default());
     while reader.read(&mut moment) == Delivery::Data {
@@ -103,12 +135,7 @@ pub(crate) fn follow(
         spoil(&mut moment);
         for (variant, system) in systems.iter_mut().enumerate() {
             step(system.as_mut(), &moment, &mut scene);
-            each(Said {
-                variant,
-                interval_s,
-                scene: &scene,
-                truth: &truth,
-            });
+            each(variant, system.as_ref(), &scene, &truth);
         }
     }
     Ok(())

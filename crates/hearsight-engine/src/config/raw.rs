@@ -17,6 +17,8 @@ pub struct RawRoom {
     pub speed_of_sound: Option<f64>,
     /// The cameras, in the order in which results name them.
     pub camera: Vec<RawCamera>,
+    /// Cameras around one point that are used as one.
+    pub panorama: Vec<RawPanorama>,
     /// The microphone arrays.
     pub array: Vec<RawArray>,
     /// Which system tracks, with its parameters in a table of its own name.
@@ -59,6 +61,24 @@ pub struct RawCamera {
     /// Lens and place: a file's name, a table `{ file, index, format }`, or the calibration itself. Default: none,
     /// which systems that work in the picture can do without.
     pub calibration: Option<RawCalibration>,
+}
+
+/// Several calibrated cameras that look outwards from about one point, stitched to one picture of 360 degrees. They are no
+/// cameras of their own then; arrays that are paired with one of them are paired with the panorama.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct RawPanorama {
+    /// Name, unique among all sensors. Default `panorama1`, ...
+    pub name: Option<String>,
+    /// Names of the cameras. The first one looks at the middle of the panorama and keeps the time.
+    pub cameras: Vec<String>,
+    /// Width and height, pixels. Default `[1500, 240]`.
+    pub size: Option<[usize; 2]>,
+    /// Distance at which the pictures of neighbours meet without a step, metres. Default 2.
+    pub radius: Option<f64>,
+    /// Width of the seam over which two pictures blend, as a share of the smaller side of a picture, above 0 to 1. Default
+    /// 0.1. Raising it hides steps of brightness and doubles what is nearer or farther than `radius`.
+    pub seam: Option<f64>,
 }
 
 /// Where a camera's calibration comes from.

@@ -1,5 +1,6 @@
 //! Raw configuration to resolved objects: defaults, files of geometry, and whether it all makes sense.
 
+use super::panoramas::Cameras;
 use super::parameters::Checker;
 use super::parse::parse;
 use super::raw::{RawRoom, RawRun, RawSystem};
@@ -112,7 +113,17 @@ impl Resolver {
             )?;
             cameras.push(self.camera(&field, camera, name)?);
         }
-        let camera_names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
+        for (place, panorama) in raw.panorama.iter().enumerate() {
+            let field = Field::of("panorama").index(place);
+            let name = self.sensor_name(
+                &field,
+                panorama.name.as_deref(),
+                format!("panorama{}", place + 1),
+                &mut taken,
+            )?;
+            self.panorama(&field, panorama, name, &mut cameras)?;
+        }
+        let camera_names = Cameras(&cameras);
         let mut arrays = Vec::new();
         for (place, array) in raw.array.iter().enumerate() {
             let field = Field::of("array").index(place);

@@ -37,6 +37,21 @@ pub enum Input {
     Stream(String),
     /// Numbered pictures.
     Images(PathBuf),
+    /// Several cameras that are stitched: those of [`ResolvedCamera::ring`].
+    Panorama,
+}
+
+/// Cameras around one point that are stitched to one.
+#[derive(Clone, Debug, Serialize)]
+pub struct ResolvedRing {
+    /// The cameras, each with a calibration.
+    pub cameras: Vec<ResolvedCamera>,
+    /// Width and height of the panorama, pixels.
+    pub size: [usize; 2],
+    /// Distance at which the pictures of neighbours meet without a step, metres.
+    pub radius_m: f64,
+    /// Width of a seam, as a share of the smaller side of a picture.
+    pub seam: f64,
 }
 
 /// A camera.
@@ -64,6 +79,9 @@ pub struct ResolvedCamera {
     /// Lens and place, where known.
     #[serde(serialize_with = "write_calibration")]
     pub calibration: Option<Calibration>,
+    /// What a panorama is stitched of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ring: Option<ResolvedRing>,
 }
 
 /// A microphone array.
@@ -149,6 +167,7 @@ impl ResolvedCamera {
             format: None,
             options: BTreeMap::new(),
             calibration: None,
+            ring: None,
         }
     }
 }

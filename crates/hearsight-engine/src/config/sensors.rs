@@ -1,6 +1,7 @@
 //! Cameras and arrays: one source each, starts, rates, channels and geometry.
 
 use super::geometry;
+use super::panoramas::Cameras;
 use super::raw::{RawArray, RawCamera};
 use super::resolve::Resolver;
 use super::resolved::{Input, ResolvedArray, ResolvedCamera};
@@ -51,6 +52,7 @@ impl Resolver {
             format: raw.format.clone(),
             options: raw.options.clone(),
             calibration,
+            ring: None,
             input,
         })
     }
@@ -60,7 +62,7 @@ impl Resolver {
         field: &Field,
         raw: &RawArray,
         name: String,
-        cameras: &[&str],
+        cameras: &Cameras<'_>,
     ) -> Result<ResolvedArray, ConfigurationError> {
         let input = self.input(field, &raw.file, &raw.device, &raw.stream, None)?;
         if let Some(rate @ (0..1_000 | 1_000_001..)) = raw.rate {
@@ -77,14 +79,12 @@ impl Resolver {
         }
         let camera =
             match &raw.camera {
-                Some(wanted) => Some(cameras.iter().position(|camera| camera == wanted).ok_or_else(
-                    || {
-                        let what = format!("there is no camera `{wanted}`");
-                        self.document
-                            .error(&field.key("camera"), what, suggest(wanted, cameras))
-                    },
-                )?),
-                None => (cameras.len() == 1).then_some(0),
+                Some(wanted) => Some(cameras.place(wanted).ok_or_else(|| {
+                    let what = format!("there is no camera `{wanted}`");
+                    self.document
+                        .error(&field.key("camera"), what, suggest(wanted, &cameras.names()))
+                })?),
+                None => (cameras.count() == 1).then_some(0),
             };
         Ok(ResolvedArray {
             name,

@@ -38,6 +38,7 @@ const OWN: &[Limit] = &[
     ("fuser.colour.sharpness", 0.001, 1e6),
     share("fuser.colour.least"),
     seconds("fuser.sound.separation_s"),
+    ("fuser.sound.separation_rad", 0.0, 3.0),
     ("fuser.sound.least_deviation_px", 0.1, 10_000.0),
     ("fuser.sound.largest", 0.001, 10.0),
     share("fuser.verdict.outline"),

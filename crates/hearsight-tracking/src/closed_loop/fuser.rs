@@ -170,6 +170,11 @@ impl Fuser {
             let mut mean = *prediction.places.mean();
             let mut covariance = *prediction.places.covariance();
             mean[0] = fix.column_px;
+            let turn_px = f64::from(belief.turn_px);
+            if turn_px > 0.0 {
+                // All round the sound is where it is nearest to the person.
+                mean[0] += turn_px * ((prediction.places.mean()[0] - mean[0]) / turn_px).round();
+            }
             for other in 1..3 {
                 covariance[(0, other)] = 0.0;
                 covariance[(other, 0)] = 0.0;
@@ -323,16 +328,20 @@ impl Fuser {
             None => None,
         };
         let alike = likeness.filter(|_| self.settings.trackers.colour);
-        let confirmed = seen.is_none_or(|seen| seen >= outline) && alike.is_none_or(|alike| alike >= colour);
-        let denied =
-            seen.is_some_and(|seen| seen < no_outline) || alike.is_some_and(|alike| alike < no_colour);
         if place[2] < smallest_px {
             return Verdict::Refuted;
         }
+        let confirms = |value: Option<f32>, least: f32| value.is_some_and(|value| value >= least);
+        let denies = |value: Option<f32>, most: f32| value.is_some_and(|value| value < most);
+        let confirmed = [confirms(seen, outline), confirms(alike, colour)];
+        let denied = [denies(seen, no_outline), denies(alike, no_colour)];
+        let asked = [seen.is_some(), alike.is_some()];
         match (confirmed, denied) {
-            (true, _) => Verdict::Verified,
-            (false, true) => Verdict::Refuted,
-            (false, false) => Verdict::Open,
+            // All that were asked.
+            _ if confirmed == asked => Verdict::Verified,
+            // A head that turns has other colours and the same outline; one before clutter the other way round.
+            ([false, false], [true, _] | [_, true]) => Verdict::Refuted,
+            _ => Verdict::Open,
         }
     }
 }

@@ -24,7 +24,7 @@ pub use settings::{
 };
 pub use sound::{SoundFix, SoundGeometry, SoundTracker, SoundTrackerSettings};
 
-use hearsight_filter::UnscentedKalman;
+use hearsight_filter::{FilterError, UnscentedKalman};
 use serde::{Deserialize, Serialize};
 
 /// The trackers, in the order in which their numbers are stored.
@@ -69,4 +69,17 @@ pub struct LoopState {
     pub failing_s: [f64; 3],
     /// What the verifiers made of the fused place.
     pub verdict: Verdict,
+}
+
+impl LoopState {
+    /// Moves every tracker by so many columns.
+    ///
+    /// # Errors
+    /// [`FilterError`] where that is no number.
+    pub(crate) fn shift(&mut self, columns_px: f64) -> Result<(), FilterError> {
+        self.colour[0] += columns_px;
+        let (mut mean, covariance) = (*self.contour.mean(), *self.contour.covariance());
+        mean[0] += columns_px;
+        self.contour.set(mean, covariance)
+    }
 }

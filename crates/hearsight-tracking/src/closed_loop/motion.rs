@@ -15,7 +15,8 @@ pub struct HeadMotionSettings {
     pub rate_per_s: f64,
     /// Root mean square of the velocity in the long run, head heights a second, above 0. Default 4: about 1 m/s.
     pub speed_heads_s: f64,
-    /// The same of the size, shares of it a second. Default 0.5.
+    /// The same of the size, shares of it a second. Default 0.1: heads come nearer slowly, and an outline alone that may
+    /// shrink as it likes ends on the nose.
     pub growth_per_s: f64,
 }
 
@@ -24,7 +25,7 @@ impl Default for HeadMotionSettings {
         Self {
             rate_per_s: 10.0,
             speed_heads_s: 4.0,
-            growth_per_s: 0.5,
+            growth_per_s: 0.1,
         }
     }
 }

@@ -83,12 +83,13 @@ pub(crate) fn may_begin(detection: &Rectangle, beliefs: &[Belief], settings: &Bi
     let scouts = beliefs.iter().filter(|belief| belief.identity.is_none()).count();
     scouts < settings.most_scouts
         && !beliefs.iter().any(|belief| {
-            let smaller = belief.head.area().min(detection.area());
-            let same_place = belief.head.intersection(detection).area() > 0.3 * smaller;
+            let head = belief.head_beside(detection);
+            let smaller = head.area().min(detection.area());
+            let same_place = head.intersection(detection).area() > 0.3 * smaller;
             let part_of_body = belief.identity.is_some()
                 && !belief.occluded
                 && detection.width < LARGER * belief.head.width
-                && body_zone(&belief.head).contains(detection.centre());
+                && body_zone(&head).contains(detection.centre());
             same_place || part_of_body
         })
 }

@@ -44,7 +44,7 @@ pub(crate) const LARGER: f32 = 1.6;
 /// Whether `front` covers the head of `behind`: it is nearer (larger) and overlaps it with head or shoulders.
 pub(crate) fn covers(front: &Belief, behind: &Belief) -> bool {
     is_nearer(front, behind)
-        && bodies(&front.head)
+        && bodies(&front.head_beside(&behind.head))
             .iter()
             .any(|part| part.intersection(&behind.head).area() > 0.4 * behind.head.area())
 }
@@ -83,7 +83,7 @@ pub(crate) fn body_part_rate(
 ) -> f64 {
     let under = whole.identity.is_some()
         && (part.supported - whole.supported).seconds() < settings.fresh_s
-        && body_zone(&whole.head).contains(part.head.centre());
+        && body_zone(&whole.head_beside(&part.head)).contains(part.head.centre());
     let larger = part.head.width > LARGER * whole.head.width;
     match (under, part_is_detected, larger) {
         // Somebody larger who is detected in front of another's body is a person of their own.
@@ -96,7 +96,7 @@ pub(crate) fn body_part_rate(
 /// Whether two beliefs stand at one place: the smaller head lies mostly in the larger.
 pub(crate) fn same_place(first: &Belief, second: &Belief, settings: &ExclusionSettings) -> bool {
     let smaller = first.head.area().min(second.head.area());
-    first.head.intersection(&second.head).area() >= settings.overlap * smaller
+    first.head.intersection(&second.head_beside(&first.head)).area() >= settings.overlap * smaller
 }
 
 /// Which of two beliefs at one place goes: a scout before a track, then the one less supported, then the younger.

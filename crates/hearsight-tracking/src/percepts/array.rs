@@ -1,9 +1,11 @@
-//! What a microphone array hears: onsets, voice activity and the correlation of its first pair.
+//! What a microphone array hears: onsets, voice activity and the correlation of its first pair, or of all pairs over the
+//! azimuth.
 //!
 //! The way of the sound (stac, section 2.2, corrected by E2, E3 and E5): 12 kHz, overlapping frames, signal to noise
 //! ratio of both microphones, onset filter, correlation in three bands, agreement of their peaks. Beside it the evidence
 //! for deciding who speaks, which needs every frame and not only onsets: [`DirectionPercept`].
 
+use super::azimuth::{AZIMUTHS, AzimuthFan, STEP_RAD, wrapped_rad};
 use super::direction::{DirectionPercept, DirectionSettings, DirectionState};
 use hearsight_audio::AudioError;
 use hearsight_audio::activity::{ActivityDetector, ActivitySettings};
@@ -20,6 +22,18 @@ use hearsight_audio::weighting::{PairNoise, Weighting};
 use hearsight_core::room::ArraySensor;
 use hearsight_core::{AudioBlock, Span, WorldPoint};
 use serde::{Deserialize, Serialize};
+
+/// Which pairs of an array are listened to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pairs {
+    /// The first two microphones: curves over their delay, seconds.
+    #[default]
+    First,
+    /// All pairs together: curves over the azimuth around the array, radians, once all round. Needs three microphones that
+    /// do not lie in one line. Correlations are of the whole spectrum.
+    All,
+}
 
 /// How an array's sound is listened to.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,6 +60,8 @@ pub struct ArraySettings {
     pub activity: ActivitySettings,
     /// From where the sound comes that decides who speaks.
     pub direction: DirectionSettings,
+    /// Which pairs are listened to. Default `first`.
+    pub pairs: Pairs,
 }
 
 impl Default for ArraySettings {
@@ -61,6 +77,7 @@ impl Default for ArraySettings {
             onset: OnsetSettings::default(),
             activity: ActivitySettings::default(),
             direction: DirectionSettings::default(),
+            pairs: Pairs::First,
         }
     }
 }
@@ -109,6 +126,7 @@ struct Remembered {
 pub struct ArrayPercepts {
     microphones: [WorldPoint; 2],
     speed_of_sound_m_s: f64,
+    fan: Option<AzimuthFan>,
     resampler: Option<Resampler>,
     listener: Listener,
     direction: DirectionPercept,
@@ -127,6 +145,7 @@ struct Engine {
     spectra: Spectra,
     power: Vec<f32>,
     curve: CorrelationCurve,
+    pair_curve: CorrelationCurve,
     onset_sum: CorrelationCurve,
     onset_frames: u32,
     active: bool,
@@ -140,10 +159,10 @@ const RATE_HZ: u32 = 12_000;
 const FARTHEST_M: f64 = 60.0;
 
 impl ArrayPercepts {
-    /// Percepts of the first two microphones of an array.
+    /// Percepts of the first two microphones of an array, or of all.
     ///
     /// # Errors
-    /// [`AudioError`] where a setting is out of its range or the array has fewer than two microphones.
+    /// [`AudioError`] where a setting is out of its range or the array has too few microphones.
     pub fn new(
         settings: ArraySettings,
         array: &ArraySensor,
@@ -160,7 +179,24 @@ impl ArrayPercepts {
             }
         };
         settings.check()?;
-        let distance_m = first.distance_m(second);
+        let fan = match settings.pairs {
+            Pairs::First => None,
+            Pairs::All => {
+                let fan = AzimuthFan::new(&array.microphones, speed_of_sound_m_s)
+                    .filter(|_| array.microphones.len() == array.channels);
+                Some(fan.ok_or(AudioError::Setting {
+                    name: "microphones",
+                    rule: "three or more, not in one line, one a channel",
+                    value: array.microphones.len() as f64,
+                })?)
+            }
+        };
+        let distance_m = array
+            .microphones
+            .iter()
+            .flat_map(|one| array.microphones.iter().map(|other| one.distance_m(*other)))
+            .filter(|_| fan.is_some())
+            .fold(first.distance_m(second), f64::max);
         if distance_m.is_nan() || distance_m > FARTHEST_M {
             return Err(AudioError::Setting {
                 name: "microphones",
@@ -214,7 +250,9 @@ impl ArrayPercepts {
                 RATE_HZ,
                 array.channels,
                 greatest_s,
+                fan.clone(),
             )?,
+            fan,
             engine: Engine {
                 bank: BandBank::new(&THREE_BANDS, BandShape::default(), RATE_HZ, transform)?,
                 agreement: Agreement::new(settings.agreement)?,
@@ -224,6 +262,7 @@ impl ArrayPercepts {
                 spectra: Spectra::default(),
                 power: Vec::new(),
                 curve: CorrelationCurve::default(),
+                pair_curve: CorrelationCurve::default(),
                 onset_sum: CorrelationCurve::default(),
                 onset_frames: 0,
                 active: false,
@@ -232,6 +271,11 @@ impl ArrayPercepts {
             resampled: AudioBlock::default(),
             ignored: 0,
         })
+    }
+
+    /// Whether the pairs of an array lie in two directions, so that all together tell azimuths all round.
+    pub fn hears_around(array: &ArraySensor) -> bool {
+        array.microphones.len() == array.channels && AzimuthFan::new(&array.microphones, 343.0).is_some()
     }
 
     /// What is remembered.
@@ -292,9 +336,9 @@ impl ArrayPercepts {
             None => block,
         };
         let Listener { framer, remembered } = &mut self.listener;
-        let engine = &mut self.engine;
+        let (engine, fan) = (&mut self.engine, self.fan.as_ref());
         let hop_s = framer.settings().hop_s();
-        let framed = framer.push(block, |frame| engine.take(&frame, remembered, hop_s));
+        let framed = framer.push(block, |frame| engine.take(&frame, remembered, fan, hop_s));
         if framed.and(self.direction.hear(block)).is_err() {
             self.ignored += 1;
         }
@@ -316,9 +360,23 @@ impl ArrayPercepts {
         self.direction().sound_s() > 0.0
     }
 
-    /// Height of the normalized correlation at a delay, 0 to 1 (R_n, stac, eq. 8 corrected).
+    /// Height of the normalized correlation at a delay (or azimuth, [`Pairs::All`]), 0 to 1 (R_n, stac, eq. 8 corrected).
     pub fn onset_height(&self, delay_s: f64) -> f32 {
         self.engine.onset_sum.at(delay_s).clamp(0.0, 1.0)
+    }
+
+    /// Whether curves go once all round: they are over the azimuth, radians, and their ends are neighbours.
+    pub fn is_circular(&self) -> bool {
+        self.fan.is_some()
+    }
+
+    /// From one delay to another, seconds; from one azimuth to another the short way round, radians.
+    pub fn difference(&self, from: f64, to: f64) -> f64 {
+        if self.is_circular() {
+            wrapped_rad(to - from)
+        } else {
+            to - from
+        }
     }
 
     /// The normalized correlation of this moment.
@@ -326,13 +384,22 @@ impl ArrayPercepts {
         &self.engine.onset_sum
     }
 
-    /// Delay of the highest peak of the normalized correlation of this moment, seconds, t_i - t_j.
+    /// Delay (or azimuth) of the highest peak of the normalized correlation of this moment, seconds, t_i - t_j.
     pub fn onset_delay_s(&self) -> Option<f64> {
         if self.has_onset() {
             self.engine.onset_sum.peak().map(|peak| peak.delay_s)
         } else {
             None
         }
+    }
+
+    /// Delay between the first two microphones of what is heard at a place of the curves, seconds.
+    pub fn first_delay_s(&self, place: f64) -> f64 {
+        let first = self.fan.as_ref().and_then(|fan| {
+            let pair = fan.pairs().iter().position(|pair| *pair == [0, 1])?;
+            Some(fan.delay_s(pair, place))
+        });
+        first.unwrap_or(if self.is_circular() { 0.0 } else { place })
     }
 
     /// Whether there is a voice now, as far as energy tells.
@@ -350,8 +417,12 @@ impl ArrayPercepts {
         self.microphones[0].distance_m(self.microphones[1]) / self.speed_of_sound_m_s
     }
 
-    /// Delay t_i - t_j of a sound from a point, seconds; `None` for a point that is not finite.
+    /// Where a sound from a point is on the curves: its delay t_i - t_j, seconds, or its azimuth, radians
+    /// ([`Pairs::All`]); `None` for a point that is not finite.
     pub fn delay_s(&self, point: WorldPoint) -> Option<f64> {
+        if let Some(fan) = &self.fan {
+            return fan.azimuth_rad(point).filter(|azimuth| azimuth.is_finite());
+        }
         let [first, second] = self.microphones;
         let delay_s = (point.distance_m(first) - point.distance_m(second)) / self.speed_of_sound_m_s;
         delay_s.is_finite().then_some(delay_s)
@@ -377,10 +448,11 @@ impl Engine {
     }
 
     /// Looks at one frame.
-    fn take(&mut self, frame: &Frame<'_>, remembered: &mut Remembered, hop_s: f64) {
+    fn take(&mut self, frame: &Frame<'_>, remembered: &mut Remembered, fan: Option<&AzimuthFan>, hop_s: f64) {
+        let channels = if fan.is_some() { frame.channels.len() } else { 2 };
         if self
             .analyzer
-            .transform_all(&frame.channels[..2], &mut self.spectra)
+            .transform_all(&frame.channels[..channels], &mut self.spectra)
             .is_err()
         {
             return;
@@ -407,9 +479,27 @@ impl Engine {
             second: remembered.spectra[1].power(),
         };
         let wanted = class.is_onset() || !self.settings.onset_filter;
-        if wanted && self.correlate(noise).is_ok() {
+        let correlated = |engine: &mut Self| match fan {
+            Some(fan) => engine.correlate_all(fan, noise),
+            None => engine.correlate(noise),
+        };
+        if wanted && correlated(self).is_ok() {
             self.add_onset();
         }
+    }
+
+    /// The correlations of all pairs over the azimuth. The noise is taken to be as loud at every microphone as at the first
+    /// two: arrays are small against rooms.
+    fn correlate_all(&mut self, fan: &AzimuthFan, noise: PairNoise<'_>) -> Result<(), AudioError> {
+        self.curve.reset(STEP_RAD, AZIMUTHS / 2);
+        let share = 1.0 / fan.pairs().len().max(1) as f32;
+        for (number, pair) in fan.pairs().iter().enumerate() {
+            let [first, second] = pair.map(|microphone| self.spectra.channels[microphone].as_slice());
+            self.correlator
+                .correlate(first, second, Some(noise), None, &mut self.pair_curve)?;
+            fan.add(number, &self.pair_curve, share, &mut self.curve);
+        }
+        Ok(())
     }
 
     fn correlate_whole(&mut self, noise: PairNoise<'_>) -> Result<(), AudioError> {

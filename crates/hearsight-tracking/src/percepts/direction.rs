@@ -8,6 +8,7 @@
 //!
 //! Frames are short and overlap by half: they are nearly independent, and a new voice is heard soon.
 
+use super::azimuth::{AZIMUTHS, AzimuthFan, STEP_RAD};
 use hearsight_audio::AudioError;
 use hearsight_audio::correlation::{Correlator, CorrelatorSettings, Normalization};
 use hearsight_audio::curve::CorrelationCurve;
@@ -65,10 +66,11 @@ struct Remembered {
     share: DirectShare,
 }
 
-/// Hears directions with the first two microphones of an array.
+/// Hears directions with the first two microphones of an array, or with all of them over the azimuth.
 pub struct DirectionPercept {
     state: DirectionState,
     engine: Engine,
+    fan: Option<AzimuthFan>,
 }
 
 /// Plans and buffers: nothing of it is remembered.
@@ -86,22 +88,24 @@ struct Engine {
     noise: Vec<f32>,
     share: Vec<f32>,
     curve: CorrelationCurve,
+    pair_curve: CorrelationCurve,
     log_ratio: CorrelationCurve,
     sound_s: f64,
     silence_s: f64,
 }
 
 impl DirectionPercept {
-    /// A percept of sound at `rate_hz`, of delays up to `greatest_s`.
+    /// A percept of sound at `rate_hz`, of delays up to `greatest_s`, of the first pair or of all pairs of a fan.
     ///
     /// # Errors
     /// [`AudioError`] where a setting is out of its range.
-    pub fn new(
+    pub(super) fn new(
         settings: DirectionSettings,
         noise: &NoiseSettings,
         rate_hz: u32,
         channels: usize,
         greatest_s: f64,
+        fan: Option<AzimuthFan>,
     ) -> Result<Self, AudioError> {
         let holds = (0.005..=1.0).contains(&settings.frame_s);
         check(holds, "frame_s", "within 0.005 and 1", settings.frame_s)?;
@@ -135,6 +139,7 @@ impl DirectionPercept {
         let same =
             transform as f64 * f64::from(fourth) / f64::from(analyzer.window_energy()).powi(2).max(1e-9);
         Ok(Self {
+            fan,
             state: DirectionState {
                 framer: Framer::new(frames)?,
                 remembered: Remembered {
@@ -158,6 +163,7 @@ impl DirectionPercept {
                 noise: vec![0.0; bins],
                 share: vec![0.0; bins],
                 curve: CorrelationCurve::default(),
+                pair_curve: CorrelationCurve::default(),
                 log_ratio: CorrelationCurve::default(),
                 sound_s: 0.0,
                 silence_s: 0.0,
@@ -203,8 +209,8 @@ impl DirectionPercept {
     /// [`AudioError`] where the block is not that of this array; it is ignored then.
     pub(super) fn hear(&mut self, block: &AudioBlock) -> Result<(), AudioError> {
         let DirectionState { framer, remembered } = &mut self.state;
-        let engine = &mut self.engine;
-        framer.push(block, |frame| engine.take(&frame, remembered))
+        let (engine, fan) = (&mut self.engine, self.fan.as_ref());
+        framer.push(block, |frame| engine.take(&frame, remembered, fan))
     }
 
     /// Seconds of this moment's frames that hold sound.
@@ -215,6 +221,11 @@ impl DirectionPercept {
     /// Seconds of this moment's frames that are silent.
     pub fn silence_s(&self) -> f64 {
         self.engine.silence_s
+    }
+
+    /// Whether the curve is over the azimuth, radians, once all round, instead of delays, seconds.
+    pub fn is_circular(&self) -> bool {
+        self.fan.is_some()
     }
 
     /// The logarithm of the likelihood ratio of each delay against sound from everywhere, given the frames of this
@@ -234,10 +245,11 @@ fn check(holds: bool, name: &'static str, rule: &'static str, value: f64) -> Res
 }
 
 impl Engine {
-    fn take(&mut self, frame: &Frame<'_>, remembered: &mut Remembered) {
+    fn take(&mut self, frame: &Frame<'_>, remembered: &mut Remembered, fan: Option<&AzimuthFan>) {
+        let channels = if fan.is_some() { frame.channels.len() } else { 2 };
         if self
             .analyzer
-            .transform_all(&frame.channels[..2], &mut self.spectra)
+            .transform_all(&frame.channels[..channels], &mut self.spectra)
             .is_err()
         {
             return;
@@ -263,21 +275,16 @@ impl Engine {
             .share
             .observe(&self.power, &self.noise, &mut self.share);
         if ratio_db >= self.settings.sound_db {
-            self.add();
+            self.add(fan);
         } else if ratio_db < self.settings.silence_db {
             self.silence_s += self.hop_s;
         }
     }
 
     /// Adds what the frame says of every delay.
-    fn add(&mut self) {
+    fn add(&mut self, fan: Option<&AzimuthFan>) {
         self.share[..self.first_bin].fill(0.0);
-        let [first, second] = [&self.spectra.channels[0], &self.spectra.channels[1]];
-        if self
-            .correlator
-            .correlate(first, second, None, Some(&self.share), &mut self.curve)
-            .is_err()
-        {
+        if self.correlate(fan).is_err() {
             return;
         }
         // The curve is twice the sum of cosines over the transform's length. Of the kappas of bins that tell the same
@@ -286,14 +293,35 @@ impl Engine {
         let scale = (0.5 * kappa * self.correlator.settings().transform_length as f64) as f32;
         let squares: f32 = self.share.iter().map(|share| share * share).sum();
         let loss = (0.25 * kappa * kappa * self.same * f64::from(squares)) as f32;
+        // Of the pairs of n microphones n - 1 tell something of their own: the mean of all counts so often.
+        let pairs = fan.map_or(1.0, |_| self.spectra.channels.len().saturating_sub(1) as f32);
         if self.sound_s == 0.0 {
             self.log_ratio
                 .reset(self.curve.step_s, self.curve.values.len() / 2);
         }
         for (sum, value) in self.log_ratio.values.iter_mut().zip(&self.curve.values) {
-            *sum += scale * value - loss;
+            *sum += pairs * (scale * value - loss);
         }
         self.sound_s += self.hop_s;
+    }
+
+    /// The curve of the pair, or the mean of all pairs over the azimuth.
+    fn correlate(&mut self, fan: Option<&AzimuthFan>) -> Result<(), AudioError> {
+        let Some(fan) = fan else {
+            let [first, second] = [&self.spectra.channels[0], &self.spectra.channels[1]];
+            return self
+                .correlator
+                .correlate(first, second, None, Some(&self.share), &mut self.curve);
+        };
+        self.curve.reset(STEP_RAD, AZIMUTHS / 2);
+        let share = 1.0 / fan.pairs().len().max(1) as f32;
+        for (number, pair) in fan.pairs().iter().enumerate() {
+            let [first, second] = pair.map(|microphone| self.spectra.channels[microphone].as_slice());
+            self.correlator
+                .correlate(first, second, None, Some(&self.share), &mut self.pair_curve)?;
+            fan.add(number, &self.pair_curve, share, &mut self.curve);
+        }
+        Ok(())
     }
 }
 
@@ -322,6 +350,7 @@ mod tests {
             RATE_HZ,
             2,
             0.0028,
+            None,
         )
         .unwrap()
     }
@@ -406,6 +435,6 @@ mod tests {
             clarity: 2.0,
             ..DirectionSettings::default()
         };
-        assert!(DirectionPercept::new(wrong, &NoiseSettings::default(), RATE_HZ, 2, 0.0028).is_err());
+        assert!(DirectionPercept::new(wrong, &NoiseSettings::default(), RATE_HZ, 2, 0.0028, None).is_err());
     }
 }

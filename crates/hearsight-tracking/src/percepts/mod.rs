@@ -4,13 +4,16 @@
 //! newest data into buffers that are reused.
 
 mod array;
+mod azimuth;
 mod camera;
 mod direction;
 mod face_windows;
 mod faces;
+mod round;
 mod steered;
 
-pub use array::{ArrayPercepts, ArraySettings, ArrayState};
+pub use array::{ArrayPercepts, ArraySettings, ArrayState, Pairs};
+pub(crate) use azimuth::wrapped_rad;
 pub use camera::{CameraPercepts, CameraSettings, CameraState, Detection};
 pub use direction::{DirectionPercept, DirectionSettings, DirectionState};
 pub use face_windows::{FaceWindow, FaceWindowPercepts, FaceWindowSettings, FaceWindowState};
@@ -18,4 +21,6 @@ pub use faces::{CameraError, FaceCascade, FaceSettings};
 pub use hearsight_audio::bearing::PairBearing;
 pub use hearsight_audio::weighting::Weighting;
 pub use hearsight_vision::cascade::Mirror;
+pub(crate) use round::beside;
+pub use round::{RoundPicture, Turn};
 pub use steered::{HeardFrame, SteeredArraySettings, SteeredPercepts, SteeredState};

@@ -89,6 +89,8 @@ impl ViewTracker {
             .iter()
             .all(|seconds| *seconds >= 0.0);
         check(counted, "the evidence for people")?;
+        let turn_px = self.turn.map_or(0.0, |turn| turn.columns as f32);
+        check(belief.turn_px == turn_px, "the turn of the picture")?;
         let tracked = belief.trackers.as_ref().is_none_or(|trackers| {
             trackers.reliabilities.iter().all(|value| share.contains(value))
                 && trackers.failing_s.iter().all(|seconds| *seconds >= 0.0)
