@@ -20,7 +20,13 @@ fn a_steady_loop_allocates_nothing() {
     let born = json!({ "changes": true, "faces": faces });
     let mut first = build("closed-loop", &born, &room(true), 1).unwrap();
     run(first.as_mut(), 0..120, true);
-    let mut system = build("closed-loop", &json!({ "changes": false, "faces": faces }), &room(true), 1).unwrap();
+    let mut system = build(
+        "closed-loop",
+        &json!({ "changes": false, "faces": faces }),
+        &room(true),
+        1,
+    )
+    .unwrap();
     system.restore(&first.save().unwrap()).unwrap();
     let mut scene = Scene::default();
     // Sounds come and go, so that every buffer has been needed before.

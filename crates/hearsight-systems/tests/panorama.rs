@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot make its input should stop")]
 
+#[expect(dead_code, reason = "this test makes pictures and sounds of its own")]
 mod drawn_room;
 
 use drawn_room::{BLUE, FRAME, HEIGHT, Person, RATE_HZ, RED, WIDTH, noise, picture};
@@ -66,8 +67,8 @@ fn columns(tick: usize) -> Vec<f32> {
         return vec![];
     };
     vec![
-        250.0 + (since as f32 * 1.2).min(120.0),
-        110.0 + 4.0 * (since as f32 * 0.3).sin(),
+        180.0 + (since as f32 * 3.0).min(100.0) + (since.saturating_sub(34) as f32).min(90.0),
+        50.0 + (since as f32 * 3.0).min(60.0) + 3.0 * (since as f32 * 0.2).sin(),
     ]
 }
 
@@ -170,7 +171,8 @@ fn a_person_who_crosses_the_seam_stays_one_track_and_is_heard() {
             }
         }
         assert_eq!(numbers.len(), 1, "{name}: the walker was {numbers:?}");
-        assert!(right * 10 >= asked * 8, "{name}: {right} of {asked}");
+        // A third of it is pauses and the beginnings of turns.
+        assert!(right * 3 >= asked * 2, "{name}: {right} of {asked}");
         assert!(heard > 20, "{name}: {heard}");
     }
 }

@@ -10,7 +10,6 @@ mod follow;
 mod meeting;
 mod sign;
 
-use super::trials::Results;
 use super::{Experiment, Extent, Measured, Trial};
 use hearsight::sim::scenario;
 use hearsight::sim::simulation::Simulation;
@@ -59,7 +58,13 @@ fn run(trial: &Trial) -> miette::Result<Measured> {
         }
         SIGN => {
             let text = include_str!("../../../../scenes/closed-loop-pair.toml");
-            sign::measure(&simulation("closed-loop-pair.toml", text, trial, Some(12.0), &[])?)
+            sign::measure(&simulation(
+                "closed-loop-pair.toml",
+                text,
+                trial,
+                Some(12.0),
+                &[],
+            )?)
         }
         BEYOND => {
             let text = include_str!("../../../../scenes/closed-loop-beyond.toml");

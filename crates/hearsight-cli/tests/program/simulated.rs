@@ -385,3 +385,94 @@ fn the_demo_simulates_tracks_and_judges() {
         );
     }
 }
+
+/// A ring of cameras is one picture where `room.toml` says so, and what is wrong with it is named.
+#[test]
+fn a_ring_of_cameras_is_tracked_as_a_panorama() {
+    let directory = TempDir::new().unwrap();
+    let scene = directory.path().join("ring.toml");
+    let text = r#"
+seconds = 2
+[room]
+size = [4, 4, 2.5]
+t60 = 0.2
+[[person]]
+at = [3.2, 2.0]
+turns = [[0.3, 1.8]]
+[[camera]]
+name = "ring"
+size = [120, 90]
+ring = 4
+view = 100
+at = [2, 2, 1.4]
+[[array]]
+name = "table"
+count = 4
+at = [2, 2, 0.8]
+camera = "ring-2"
+"#;
+    std::fs::write(&scene, text).unwrap();
+    let out = directory.path().join("room");
+    let made = run(&[
+        "simulate",
+        scene.to_str().unwrap(),
+        "--out",
+        out.to_str().unwrap(),
+        "--quiet",
+    ]);
+    assert!(made.status.success(), "{}", errors(&made));
+    let room = out.join("room.toml");
+    let plain = std::fs::read_to_string(&room).unwrap();
+    let with = |panorama: &str| std::fs::write(&room, format!("{plain}\n{panorama}")).unwrap();
+    let track = || {
+        run(&[
+            "track",
+            room.to_str().unwrap(),
+            "--quiet",
+            "--system",
+            "closed-loop",
+        ])
+    };
+    with(
+        "[[panorama]]\nname = \"all\"\ncameras = [\"ring-1\", \"ring-2\", \"ring-3\", \"ring-4\"]\nsize = [400, 80]\n",
+    );
+    let tracked = track();
+    assert!(tracked.status.success(), "{}", errors(&tracked));
+    let report = std::fs::read(out.join("out/report.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+    assert_eq!(
+        report["counts"]["frames"],
+        serde_json::json!({ "all": 30 }),
+        "{report}"
+    );
+    // Heard with all microphones: somebody is heard where the person is, in the middle of the first camera's picture.
+    let scenes = std::fs::read_to_string(out.join("out/scenes.jsonl")).unwrap();
+    let columns: Vec<f64> = scenes
+        .lines()
+        .filter_map(|line| {
+            serde_json::from_str::<Scene>(line)
+                .ok()?
+                .sounds
+                .first()?
+                .column_px
+        })
+        .collect();
+    let near = columns
+        .iter()
+        .filter(|column| (*column - 200.0).abs() < 15.0)
+        .count();
+    assert!(near * 2 > columns.len() && near > 5, "{columns:?}");
+    for (panorama, named) in [
+        ("[[panorama]]\ncameras = [\"ring-1\"]\n", "at least two"),
+        ("[[panorama]]\ncameras = [\"ring-1\", \"ring-9\"]\n", "ring-9"),
+        (
+            "[[panorama]]\ncameras = [\"ring-1\", \"ring-2\"]\nseam = 2.0\n",
+            "seam",
+        ),
+    ] {
+        with(panorama);
+        let refused = track();
+        assert!(!refused.status.success());
+        assert!(errors(&refused).contains(named), "{}", errors(&refused));
+    }
+}

@@ -77,15 +77,14 @@ impl Resolver {
         if let Some(channels) = &raw.channels {
             self.channels(&field.key("channels"), channels, microphones.len())?;
         }
-        let camera =
-            match &raw.camera {
-                Some(wanted) => Some(cameras.place(wanted).ok_or_else(|| {
-                    let what = format!("there is no camera `{wanted}`");
-                    self.document
-                        .error(&field.key("camera"), what, suggest(wanted, &cameras.names()))
-                })?),
-                None => (cameras.count() == 1).then_some(0),
-            };
+        let camera = match &raw.camera {
+            Some(wanted) => Some(cameras.place(wanted).ok_or_else(|| {
+                let what = format!("there is no camera `{wanted}`");
+                self.document
+                    .error(&field.key("camera"), what, suggest(wanted, &cameras.names()))
+            })?),
+            None => (cameras.count() == 1).then_some(0),
+        };
         Ok(ResolvedArray {
             name,
             start: self.start(field, raw.start, &input, raw.paced)?,

@@ -27,7 +27,10 @@ pub(super) fn open(
             })?;
         // Asked for where the configuration is resolved; one that was made otherwise may lack it.
         let calibration = calibration.ok_or_else(|| EngineError::Room {
-            what: format!("camera {} of panorama {} has no calibration", camera.name, panorama.name),
+            what: format!(
+                "camera {} of panorama {} has no calibration",
+                camera.name, panorama.name
+            ),
             cure: "give each camera of a panorama a calibration".into(),
         })?;
         cameras.push(StitchedCamera {

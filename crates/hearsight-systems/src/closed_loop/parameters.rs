@@ -108,7 +108,7 @@ impl Default for Faces {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
-    /// Particles a person. Default 100.
+    /// Particles a person. Default 200.
     pub particles: usize,
     /// Trackers, mixture, weights and feedback.
     pub fuser: FuserSettings,
@@ -155,7 +155,7 @@ pub struct Parameters {
 impl Default for Parameters {
     fn default() -> Self {
         Self {
-            particles: 100,
+            particles: 200,
             fuser: FuserSettings::default(),
             verifiers: Verifiers::default(),
             sound_rule: SoundRule::default(),

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 pub struct HeadMotionSettings {
     /// How fast a velocity is forgotten (beta_0), per second, above 0. Default 10.
     pub rate_per_s: f64,
-    /// Root mean square of the velocity in the long run, head heights a second, above 0. Default 4: about 1 m/s.
+    /// Root mean square of the velocity in the long run, head heights a second, above 0. Default 5: a little above 1 m/s.
     pub speed_heads_s: f64,
     /// The same of the size, shares of it a second. Default 0.1: heads come nearer slowly, and an outline alone that may
     /// shrink as it likes ends on the nose.
@@ -24,7 +24,7 @@ impl Default for HeadMotionSettings {
     fn default() -> Self {
         Self {
             rate_per_s: 10.0,
-            speed_heads_s: 4.0,
+            speed_heads_s: 5.0,
             growth_per_s: 0.1,
         }
     }

@@ -117,7 +117,8 @@ pub struct ShareSettings {
     /// is there whatever was predicted (Isard and Blake 1998, ICondensation), 0 to 0.9. Default 0.2. Not in the paper; 0 is
     /// its system, in which detections only start trackers.
     pub detected: f64,
-    /// Least share of a tracker that is on among the trackers, 0 to 0.3. Default 0.05: it may be right again.
+    /// Least share of a tracker that is on among the trackers, 0 to 0.3. Default 0.2: whoever is unreliable now is needed when
+    /// the head jerks aside. With less too few hypotheses are where only that one looks.
     pub least: f64,
 }
 
@@ -126,7 +127,7 @@ impl Default for ShareSettings {
         Self {
             prior: 0.15,
             detected: 0.2,
-            least: 0.05,
+            least: 0.2,
         }
     }
 }

@@ -1,12 +1,8 @@
 //! What the paper claims and the sheet demands of the closed loop, from what was measured.
 
-use super::super::claim::{
-    Claim, Report, Statement, Table, cell, mean_within, ratio_within, smaller,
-};
+use super::super::claim::{Claim, Report, Statement, Table, cell, mean_within, ratio_within, smaller};
 use super::super::trials::Results;
-use super::follow::{
-    BIN_FRAMES, COLOUR, CONTOUR, EVENTS, FEWER, FUSED, OPEN, OURS, PRINTED, PRIOR, USUAL,
-};
+use super::follow::{BIN_FRAMES, COLOUR, CONTOUR, EVENTS, FEWER, FUSED, OPEN, OURS, PRINTED, PRIOR, USUAL};
 use super::meeting::{self, HEARD, SEEN};
 use super::{BEYOND, FOLLOW, MEETINGS, SIGN, sign};
 
@@ -169,8 +165,7 @@ fn following(results: &Results) -> Vec<Claim> {
         mean_within(said(id, text), &results.values(FOLLOW, metric, variant), range)
     };
     let pairs = |metrics: [&str; 2], variants: [&str; 2]| -> Vec<[f64; 2]> {
-        let [first, second] =
-            [0, 1].map(|place| results.values(FOLLOW, metrics[place], variants[place]));
+        let [first, second] = [0, 1].map(|place| results.values(FOLLOW, metrics[place], variants[place]));
         first.into_iter().zip(second).map(|(a, b)| [a, b]).collect()
     };
     let best: Vec<[f64; 2]> = results
@@ -193,7 +188,13 @@ fn following(results: &Results) -> Vec<Claim> {
             COLOUR,
             [0.0, 0.1],
         ),
-        lost("jerk-fused", "C1: fused in at most 5 %", "lost_jerk", FUSED, [0.0, 0.05]),
+        lost(
+            "jerk-fused",
+            "C1: fused in at most 5 %",
+            "lost_jerk",
+            FUSED,
+            [0.0, 0.05],
+        ),
         lost(
             "hand-contour",
             "C2: contour alone is lost at the hand in at most 10 %",
@@ -208,7 +209,13 @@ fn following(results: &Results) -> Vec<Claim> {
             COLOUR,
             [0.9, 1.0],
         ),
-        lost("hand-fused", "C2: fused in at most 5 %", "lost_hand", FUSED, [0.0, 0.05]),
+        lost(
+            "hand-fused",
+            "C2: fused in at most 5 %",
+            "lost_hand",
+            FUSED,
+            [0.0, 0.05],
+        ),
         ratio_within(
             said(
                 "error-fused",
@@ -218,7 +225,10 @@ fn following(results: &Results) -> Vec<Claim> {
             [0.0, 1.1],
         ),
         smaller(
-            said("reliable-jerk", "in the jerk the contour is less reliable than the colour"),
+            said(
+                "reliable-jerk",
+                "in the jerk the contour is less reliable than the colour",
+            ),
             &pairs(["contour_jerk", "colour_jerk"], [FUSED, FUSED]),
         ),
         mean_within(
@@ -227,7 +237,10 @@ fn following(results: &Results) -> Vec<Claim> {
             [0.0, 3.0],
         ),
         smaller(
-            said("reliable-hand", "at the hand the colour is less reliable than the contour"),
+            said(
+                "reliable-hand",
+                "at the hand the colour is less reliable than the contour",
+            ),
             &pairs(["colour_hand", "contour_hand"], [FUSED, FUSED]),
         ),
         particles(results),
@@ -315,12 +328,18 @@ fn speaking(results: &Results) -> Vec<Claim> {
             [3.0, 8.0],
         ),
         ratio_within(
-            said("error-both", "C5: error with pictures at most half that of sound alone"),
+            said(
+                "error-both",
+                "C5: error with pictures at most half that of sound alone",
+            ),
             &results.rows(scene, "error_deg", [meeting::FUSED, HEARD]),
             [0.0, 0.5],
         ),
         smaller(
-            said("right-both", "C5: with pictures the right one is named more often than by sound alone"),
+            said(
+                "right-both",
+                "C5: with pictures the right one is named more often than by sound alone",
+            ),
             &results.rows(scene, "right", [HEARD, meeting::FUSED]),
         ),
         mean(
@@ -332,7 +351,10 @@ fn speaking(results: &Results) -> Vec<Claim> {
             [0.0, 0.1],
         ),
         ratio_within(
-            said("corrected-left", "corrected, the left is heard as well as the right (within a quarter)"),
+            said(
+                "corrected-left",
+                "corrected, the left is heard as well as the right (within a quarter)",
+            ),
             &signs,
             [0.75, 1.25],
         ),

@@ -29,7 +29,7 @@ pub(super) const OPEN: &str = "fused, open loop";
 pub(super) const PRINTED: &str = "fused, eq. 8 printed";
 pub(super) const OURS: &str = "fused, beyond the paper";
 /// Fewer hypotheses from the trackers' mixture.
-pub(super) const FEWER: [(&str, usize); 3] = [("fused 12", 12), ("fused 25", 25), ("fused 50", 50)];
+pub(super) const FEWER: [(&str, usize); 3] = [("fused 25", 25), ("fused 50", 50), ("fused 100", 100)];
 /// Hypotheses from the transition prior.
 pub(super) const PRIOR: [(&str, usize); 7] = [
     ("prior 50", 50),
@@ -41,7 +41,7 @@ pub(super) const PRIOR: [(&str, usize); 7] = [
     ("prior 3200", 3200),
 ];
 /// Hypotheses of [`FUSED`].
-pub(super) const USUAL: usize = 100;
+pub(super) const USUAL: usize = 200;
 
 pub(super) fn variants(quick: bool) -> Vec<Variant> {
     let off = json!(false);
@@ -102,26 +102,31 @@ pub(super) fn measure(simulation: &Simulation, trial: &Trial) -> miette::Result<
         MomentReader::new(cameras.collect(), Vec::new(), MomentOptions::default()).into_diagnostic()?;
     let mut systems = build_all(&variants, &room, trial.seed)?;
     let mut looks: Vec<Vec<Look>> = variants.iter().map(|_| Vec::new()).collect();
-    run(simulation, &mut reader, &mut systems, &mut |number, system, scene, truth| {
-        let view = truth.people.first().and_then(|person| person.views.first());
-        let Some(head) = view.and_then(|view| view.head) else {
-            looks[number].push(Look::default());
-            return;
-        };
-        let tracks = scene
-            .tracks
-            .iter()
-            .filter_map(|track| Some((track, track.views.first()?.head)));
-        let best = tracks
-            .map(|(track, own)| (overlap(&own, &head), track, own))
-            .max_by(|a, b| a.0.total_cmp(&b.0));
-        looks[number].push(best.map_or_else(Look::default, |(overlap, track, own)| Look {
-            overlap,
-            offset: Some(offset(&own, &head)),
-            effective: Some(track.effective_sample_size),
-            reliabilities: system.reliabilities(0, track.id),
-        }));
-    })?;
+    run(
+        simulation,
+        &mut reader,
+        &mut systems,
+        &mut |number, system, scene, truth| {
+            let view = truth.people.first().and_then(|person| person.views.first());
+            let Some(head) = view.and_then(|view| view.head) else {
+                looks[number].push(Look::default());
+                return;
+            };
+            let tracks = scene
+                .tracks
+                .iter()
+                .filter_map(|track| Some((track, track.views.first()?.head)));
+            let best = tracks
+                .map(|(track, own)| (overlap(&own, &head), track, own))
+                .max_by(|a, b| a.0.total_cmp(&b.0));
+            looks[number].push(best.map_or_else(Look::default, |(overlap, track, own)| Look {
+                overlap,
+                offset: Some(offset(&own, &head)),
+                effective: Some(track.effective_sample_size),
+                reliabilities: system.reliabilities(0, track.id),
+            }));
+        },
+    )?;
     let measured = variants
         .iter()
         .zip(&looks)
@@ -166,7 +171,9 @@ fn metrics(looks: &[Look]) -> BTreeMap<String, f64> {
             .enumerate()
             .filter(|(frame, look)| {
                 look.overlap >= LEAST_OVERLAP
-                    && !TRANSIENTS.iter().any(|(from, until)| (*from..*until).contains(frame))
+                    && !TRANSIENTS
+                        .iter()
+                        .any(|(from, until)| (*from..*until).contains(frame))
             })
             .map(|(_, look)| look)
     };
@@ -182,7 +189,11 @@ fn metrics(looks: &[Look]) -> BTreeMap<String, f64> {
     let later = &looks[first.unwrap_or(looks.len())..];
     add(
         "share".into(),
-        mean(later.iter().map(|look| f64::from(u8::from(look.overlap >= LEAST_OVERLAP)))),
+        mean(
+            later
+                .iter()
+                .map(|look| f64::from(u8::from(look.overlap >= LEAST_OVERLAP))),
+        ),
     );
     let reliability = |from: usize, until: usize, kind: usize| {
         let looks = looks.get(from..until.min(looks.len())).unwrap_or_default();

@@ -71,8 +71,7 @@ pub(super) fn measure(
         })
     });
     let arrays = arrays.collect::<miette::Result<Vec<_>>>()?;
-    let mut reader =
-        MomentReader::new(vec![picture], arrays, MomentOptions::default()).into_diagnostic()?;
+    let mut reader = MomentReader::new(vec![picture], arrays, MomentOptions::default()).into_diagnostic()?;
     let interval_s = reader.tick().seconds();
     let deaf = Room {
         arrays: Vec::new(),
@@ -84,9 +83,14 @@ pub(super) fn measure(
         systems.extend(build_all(std::slice::from_ref(variant), room, trial.seed)?);
     }
     let mut judges: Vec<Judge> = variants.iter().map(|_| Judge::new(interval_s)).collect();
-    run(simulation, &mut reader, &mut systems, &mut |number, system, scene, truth| {
-        judges[number].push(Look::of(&camera, system, scene, truth));
-    })?;
+    run(
+        simulation,
+        &mut reader,
+        &mut systems,
+        &mut |number, system, scene, truth| {
+            judges[number].push(Look::of(&camera, system, scene, truth));
+        },
+    )?;
     let mut measured = Measured::new();
     for (variant, judge) in variants.iter().zip(&judges) {
         measured.insert(variant.name.to_owned(), judge.metrics(|look| look.named));
@@ -220,7 +224,10 @@ impl Judge {
         let settled = || self.looks.iter().filter(|look| look.time_s >= SETTLED_S);
         let named = |look: &Look| answer(look).and_then(|direction| look.nearest_person(direction));
         let single = || settled().filter_map(|look| Some((look, look.only_talker()?)));
-        add("right", share(single().map(|(look, talker)| named(look) == Some(talker))));
+        add(
+            "right",
+            share(single().map(|(look, talker)| named(look) == Some(talker))),
+        );
         let answered = || single().filter(|(look, _)| answer(look).is_some());
         add(
             "right_answered",
@@ -236,15 +243,25 @@ impl Judge {
         );
         let offs = single().filter_map(|(look, talker)| Some(apart(answer(look)?, look.people[talker])));
         add("error_deg", median(offs.collect()));
-        add("tracked", share(settled().flat_map(|look| {
-            look.people
-                .iter()
-                .map(|person| look.tracks.iter().any(|track| apart(*track, *person) < NEAR_DEG))
-        })));
-        add("false_tracks", mean(settled().map(|look| {
-            let is_false = |track: &&f64| look.people.iter().all(|person| apart(**track, *person) >= NEAR_DEG);
-            look.tracks.iter().filter(is_false).count() as f64
-        })));
+        add(
+            "tracked",
+            share(settled().flat_map(|look| {
+                look.people
+                    .iter()
+                    .map(|person| look.tracks.iter().any(|track| apart(*track, *person) < NEAR_DEG))
+            })),
+        );
+        add(
+            "false_tracks",
+            mean(settled().map(|look| {
+                let is_false = |track: &&f64| {
+                    look.people
+                        .iter()
+                        .all(|person| apart(**track, *person) >= NEAR_DEG)
+                };
+                look.tracks.iter().filter(is_false).count() as f64
+            })),
+        );
         let (false_switches, switch_s) = self.switches(&named);
         let minutes = settled().count() as f64 * self.interval_s / 60.0;
         add(

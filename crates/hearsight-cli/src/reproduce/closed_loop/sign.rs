@@ -32,8 +32,7 @@ pub(super) fn measure(simulation: &Simulation) -> miette::Result<Measured> {
         .ok_or_else(|| miette!("the camera of the scene has no field of view"))?;
     let width = camera.width as f64;
     let speed = room.speed_of_sound_m_s;
-    let bearing =
-        PairBearing::new(first.distance_m(*second), speed, width, view_rad).into_diagnostic()?;
+    let bearing = PairBearing::new(first.distance_m(*second), speed, width, view_rad).into_diagnostic()?;
     let settings = ArraySettings {
         weighting: Weighting::MaximumLikelihood { reverberation: 0.3 },
         bands: false,
@@ -70,7 +69,10 @@ pub(super) fn measure(simulation: &Simulation) -> miette::Result<Measured> {
         let column = head.left + 0.5 * head.width;
         let side = if column < 0.5 * width { "left" } else { "right" };
         let found = [
-            (PRINTED, best(&heard, width, |column| bearing.printed_delay_s(column))),
+            (
+                PRINTED,
+                best(&heard, width, |column| bearing.printed_delay_s(column)),
+            ),
             (CORRECTED, best(&heard, width, |column| bearing.delay_s(column))),
         ];
         for (rule, found) in found {

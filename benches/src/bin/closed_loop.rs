@@ -1,0 +1,317 @@
+//! How fast the closed-loop system is, and what its verifiers cost.
+//!
+//! ```text
+//! closed_loop speed              times real time on one thread, decoding left out, for 1 to 12 people in 320x240 pictures
+//!                                at 15 a second with the sound of two microphones, faces searched every 10 s and every 1 s,
+//!                                and how linear the time is in people
+//! closed_loop verifier NAME N    lets a verifier (contour, contrast, curve, or none) judge 100 hypotheses N times: for
+//!                                `valgrind --tool=callgrind`, whose counts of two N give the instructions of one
+//! ```
+
+use hearsight_benches::Failure;
+use hearsight_core::camera::{Camera, CameraModel, Pinhole};
+use hearsight_core::moment::{Moment, Observed};
+use hearsight_core::record::Scene;
+use hearsight_core::room::{ArraySensor, CameraSensor, Room};
+use hearsight_core::{AudioBlock, Instant, Pose, Rectangle, Span, VideoFrame, WorldPoint};
+use hearsight_systems::build;
+use hearsight_tracking::belief::Appearance;
+use hearsight_tracking::cues::{ContourCue, ContrastCue, Cue, CurveCue, CurveGeometry, Hypotheses};
+use hearsight_tracking::percepts::{ArrayPercepts, ArraySettings, CameraPercepts, CameraSettings, Weighting};
+use hearsight_vision::contour::LineLikelihood;
+use rustix::time::{ClockId, clock_gettime};
+use serde_json::json;
+
+const WIDTH: usize = 320;
+const HEIGHT: usize = 240;
+const RATE_HZ: u32 = 16_000;
+const PICTURES_S: usize = 15;
+/// Pictures in which people appear and become tracks, and those that are measured.
+const FIRST: usize = 60;
+const MEASURED: usize = 150;
+
+fn main() -> Result<(), Failure> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match words.as_slice() {
+        ["speed"] => speed(),
+        ["verifier", name, count] => verifier(name, count.parse()?),
+        _ => Err("give `speed`, or `verifier NAME N`".into()),
+    }
+}
+
+/// A number from 0 to 255 that depends on nothing but its arguments.
+fn noise(a: usize, b: usize) -> u32 {
+    let mut x = (a as u32).wrapping_mul(0x9E37_79B9) ^ (b as u32).wrapping_mul(0x85EB_CA6B);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0x2C1B_3C6D);
+    (x >> 16) & 0xFF
+}
+
+fn time_of(picture: usize) -> Instant {
+    Instant::ZERO + Span::from_seconds(picture as f64 / PICTURES_S as f64)
+}
+
+/// Where the middle of a person's head is, pixels: two rows of six.
+fn place(person: usize, picture: usize) -> [f32; 2] {
+    let sway = 3.0 * (0.3 * picture as f32 + person as f32).sin();
+    [
+        32.0 + 52.0 * (person % 6) as f32 + sway,
+        45.0 + 115.0 * (person / 6) as f32,
+    ]
+}
+
+fn paint(frame: &mut VideoFrame, [left, top, width, height]: [f32; 4], colour: [u8; 3], round: bool) {
+    for y in top.max(0.0) as usize..((top + height).max(0.0) as usize).min(HEIGHT) {
+        for x in left.max(0.0) as usize..((left + width).max(0.0) as usize).min(WIDTH) {
+            let across = (x as f32 - left - 0.5 * width) / width * 2.0;
+            let down = (y as f32 - top - 0.5 * height) / height * 2.0;
+            if !round || across * across + down * down <= 1.0 {
+                let at = 3 * (y * WIDTH + x);
+                for (value, own) in frame.rgb[at..at + 3].iter_mut().zip(colour) {
+                    *value = own.saturating_add((noise(x, y) % 9) as u8);
+                }
+            }
+        }
+    }
+}
+
+fn picture(number: usize, people: usize) -> VideoFrame {
+    let mut frame = VideoFrame {
+        time: time_of(number),
+        number: number as u64 + 1,
+        width: WIDTH,
+        height: HEIGHT,
+        rgb: (0..WIDTH * HEIGHT)
+            .flat_map(|i| {
+                [200, 185, 155].map(|wall| (wall + noise(i, number) % 7 + noise(i, 7919) % 9) as u8)
+            })
+            .collect(),
+        luma: Vec::new(),
+    };
+    for person in 0..people {
+        let [x, y] = place(person, number);
+        let shirt = [40 + 90 * (person % 2) as u8, 60, 150 - 10 * person as u8];
+        let head = 19.0;
+        paint(&mut frame, [x - 19.0, y + 16.0, 38.0, 60.0], shirt, false);
+        paint(&mut frame, [x - 6.0, y + 9.0, 12.0, 12.0], [185, 130, 100], false);
+        paint(
+            &mut frame,
+            [x - 0.5 * head, y - 12.0, head, 1.3 * head],
+            [185, 130, 100],
+            true,
+        );
+        paint(
+            &mut frame,
+            [x - 0.5 * head, y - 12.0, head, 0.5 * head],
+            [40, 30, 25],
+            true,
+        );
+    }
+    frame.luma = frame
+        .rgb
+        .chunks_exact(3)
+        .map(|pixel| {
+            ((u32::from(pixel[0]) * 77 + u32::from(pixel[1]) * 150 + u32::from(pixel[2]) * 29) >> 8) as u8
+        })
+        .collect();
+    frame
+}
+
+fn camera() -> Result<Camera, Failure> {
+    Ok(Camera {
+        model: CameraModel::Pinhole(Pinhole::ideal([300.0, 300.0], [159.5, 119.5])?),
+        pose: Pose::looking_at(WorldPoint::new(0.0, 0.0, 1.4), WorldPoint::new(3.0, 0.0, 1.4))
+            .ok_or("no pose")?,
+        width: WIDTH,
+        height: HEIGHT,
+    })
+}
+
+fn room() -> Result<Room, Failure> {
+    Ok(Room {
+        cameras: vec![CameraSensor {
+            name: "cam".into(),
+            width: WIDTH,
+            height: HEIGHT,
+            interval: Span::from_seconds(1.0 / PICTURES_S as f64),
+            calibration: Some(camera()?),
+        }],
+        arrays: vec![ArraySensor {
+            name: "pair".into(),
+            rate_hz: RATE_HZ,
+            channels: 2,
+            microphones: [0.475, -0.475].map(|y| WorldPoint::new(0.0, y, 1.4)).into(),
+            camera: Some(0),
+        }],
+        speed_of_sound_m_s: 343.0,
+    })
+}
+
+/// The sound of one picture: bursts from the left, six samples sooner at the first microphone.
+fn sound(number: usize) -> AudioBlock {
+    let sample = |picture: usize| picture * RATE_HZ as usize / PICTURES_S;
+    let (from, until) = (sample(number), sample(number + 1));
+    let channel = |late: usize, microphone: usize| {
+        (from..until)
+            .map(|k| {
+                let loud = if number > FIRST / 2 && (k / 3200) % 4 != 3 {
+                    0.2
+                } else {
+                    0.0
+                };
+                let value = |at: usize, of: usize| noise(at, of) as f32 / 128.0 - 1.0;
+                loud * value(k + 100 - late, 3) + 1e-3 * value(k, 11 + microphone)
+            })
+            .collect()
+    };
+    AudioBlock {
+        time: Instant::ZERO + Span::of_samples(from as i64, RATE_HZ),
+        rate_hz: RATE_HZ,
+        channels: vec![channel(0, 0), channel(6, 1)],
+    }
+}
+
+fn moment(number: usize, people: usize) -> Moment {
+    let here = if number < FIRST / 2 { 0 } else { people };
+    Moment {
+        tick: number as u64,
+        time: time_of(number),
+        video: vec![Observed {
+            new: true,
+            data: picture(number, here),
+        }],
+        audio: vec![Observed {
+            new: true,
+            data: sound(number),
+        }],
+        faults: Vec::new(),
+    }
+}
+
+fn processor_s() -> f64 {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+}
+
+fn speed() -> Result<(), Failure> {
+    println!("people  tracks  seconds/picture (10 s)  times real time  (1 s)     times real time");
+    let mut points = Vec::new();
+    for people in 1..=12 {
+        let room = room()?;
+        // People are born from change, and then followed by the paper's system, which does not look for it.
+        let faces = json!({ "cascades": [] });
+        let mut born = build(
+            "closed-loop",
+            &json!({ "changes": true, "faces": faces }),
+            &room,
+            1,
+        )?;
+        let mut scene = Scene::default();
+        for number in 0..FIRST {
+            born.step(&moment(number, people), &mut scene);
+        }
+        let saved = born.save()?;
+        let moments: Vec<Moment> = (FIRST..FIRST + MEASURED)
+            .map(|number| moment(number, people))
+            .collect();
+        let mut seconds = [0.0; 2];
+        for (seconds, period_s) in seconds.iter_mut().zip([10.0, 1.0]) {
+            let given = json!({ "changes": false, "faces": { "period_s": period_s } });
+            let mut system = build("closed-loop", &given, &room, 1)?;
+            system.restore(&saved)?;
+            let begin = processor_s();
+            for moment in &moments {
+                system.step(moment, &mut scene);
+            }
+            *seconds = (processor_s() - begin) / MEASURED as f64;
+        }
+        let tracks = scene.tracks.len();
+        let factor = |seconds: f64| 1.0 / (PICTURES_S as f64 * seconds);
+        println!(
+            "{people:>6}  {tracks:>6}  {:>22.6}  {:>15.1}  {:>8.6}  {:>15.1}",
+            seconds[0],
+            factor(seconds[0]),
+            seconds[1],
+            factor(seconds[1])
+        );
+        points.push([tracks as f64, seconds[0]]);
+    }
+    println!("linear in tracks: R^2 {:.4}", determination(&points));
+    Ok(())
+}
+
+/// How much of the variance a straight line explains, 0 to 1.
+fn determination(points: &[[f64; 2]]) -> f64 {
+    let count = points.len() as f64;
+    let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;
+    let (x, y) = (mean(0), mean(1));
+    let sum = |a: usize, b: usize| {
+        let centred = |point: &[f64; 2], axis: usize| point[axis] - if axis == 0 { x } else { y };
+        points
+            .iter()
+            .map(|point| centred(point, a) * centred(point, b))
+            .sum::<f64>()
+    };
+    sum(0, 1).powi(2) / (sum(0, 0) * sum(1, 1)).max(f64::MIN_POSITIVE)
+}
+
+fn verifier(name: &str, count: usize) -> Result<(), Failure> {
+    let settings = CameraSettings {
+        changes: false,
+        outlines: true,
+        ..CameraSettings::default()
+    };
+    let mut seen = CameraPercepts::new(settings)?;
+    let listened = ArraySettings {
+        weighting: Weighting::MaximumLikelihood { reverberation: 0.3 },
+        bands: false,
+        onset_filter: false,
+        ..ArraySettings::default()
+    };
+    let room = room()?;
+    let mut heard = ArrayPercepts::new(listened, &room.arrays[0], room.speed_of_sound_m_s)?;
+    for number in 0..FIRST {
+        heard.hear(Some(&sound(number)));
+    }
+    seen.see(&picture(FIRST, 6));
+    let [x, y] = place(1, FIRST);
+    let regions: Vec<Rectangle> = (0..100)
+        .map(|k| {
+            let [across, down] = [(k % 10) as f32 - 4.5, (k / 10) as f32 - 4.5];
+            Rectangle::from_centre(x + across, y + down, 20.0, 24.0)
+        })
+        .collect();
+    let sounds: Vec<Option<WorldPoint>> = (0..100)
+        .map(|k| Some(WorldPoint::new(3.0, 0.5 - 0.01 * f64::from(k), 1.5)))
+        .collect();
+    let cue: Option<Box<dyn Cue>> = match name {
+        "contour" => Some(Box::new(ContourCue::new(LineLikelihood::default(), 16, 8.0)?)),
+        "contrast" => Some(Box::new(ContrastCue)),
+        "curve" => Some(Box::new(CurveCue::new(CurveGeometry::World))),
+        "none" => None,
+        other => return Err(format!("there is no verifier {other}").into()),
+    };
+    let appearance = Appearance::default();
+    let mut scores = vec![0.0; regions.len()];
+    let mut sum = 0.0;
+    for _ in 0..count {
+        if let Some(cue) = &cue {
+            cue.score(
+                &Hypotheses {
+                    regions: &regions,
+                    sounds: &sounds,
+                    appearance: &appearance,
+                    detections: &[],
+                    speaking: 0.5,
+                    camera: &seen,
+                    array: Some(&heard),
+                },
+                &mut scores,
+            );
+        }
+        sum += scores.iter().sum::<f32>();
+    }
+    println!("{name}: {sum}");
+    Ok(())
+}
