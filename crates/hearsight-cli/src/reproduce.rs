@@ -19,8 +19,11 @@ use std::collections::BTreeMap;
 use trials::Results;
 
 /// Every experiment there is.
-pub(crate) const EXPERIMENTS: &[&Experiment] =
-    &[&stac::EXPERIMENT, &closed_loop::EXPERIMENT, &three_mics::EXPERIMENT];
+pub(crate) const EXPERIMENTS: &[&Experiment] = &[
+    &stac::EXPERIMENT,
+    &closed_loop::EXPERIMENT,
+    &three_mics::EXPERIMENT,
+];
 
 /// How much of an experiment is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

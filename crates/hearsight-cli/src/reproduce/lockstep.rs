@@ -84,14 +84,20 @@ pub(crate) fn follow(
         MomentReader::new(cameras.collect(), arrays, MomentOptions::default()).into_diagnostic()?;
     let mut systems = build_all(variants, &room, seed)?;
     let interval_s = reader.tick().seconds();
-    run(simulation, &mut reader, &mut systems, spoil, &mut |variant, _, scene, truth| {
-        each(Said {
-            variant,
-            interval_s,
-            scene,
-            truth,
-        });
-    })
+    run(
+        simulation,
+        &mut reader,
+        &mut systems,
+        spoil,
+        &mut |variant, _, scene, truth| {
+            each(Said {
+                variant,
+                interval_s,
+                scene,
+                truth,
+            });
+        },
+    )
 }
 
 /// The variants as systems for one room.

@@ -106,6 +106,7 @@ pub(super) fn measure(simulation: &Simulation, trial: &Trial) -> miette::Result<
         simulation,
         &mut reader,
         &mut systems,
+        &mut |_| (),
         &mut |number, system, scene, truth| {
             let view = truth.people.first().and_then(|person| person.views.first());
             let Some(head) = view.and_then(|view| view.head) else {

@@ -87,6 +87,7 @@ pub(super) fn measure(
         simulation,
         &mut reader,
         &mut systems,
+        &mut |_| (),
         &mut |number, system, scene, truth| {
             judges[number].push(Look::of(&camera, system, scene, truth));
         },
