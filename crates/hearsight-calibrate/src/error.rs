@@ -93,6 +93,22 @@ pub enum CalibrateError {
         /// Largest turn tried, degrees.
         turn_deg: f64,
     },
+    /// The best answer lies outside of what was to be searched, so that it is none.
+    #[error(
+        "the best fit is a clock {offset_s:.2} s off and a turn of {turn:.0} degrees, outside of the {most_s} s and {most_deg} \
+         degrees that are searched; faces and sound hardly tell: record longer, nearer, with one person who talks, or \
+         declare clock and direction better"
+    )]
+    Outside {
+        /// Clock offset found, seconds.
+        offset_s: f64,
+        /// Turn found, degrees.
+        turn: f64,
+        /// Largest clock offset searched, seconds.
+        most_s: f64,
+        /// Largest turn searched, degrees.
+        most_deg: f64,
+    },
     /// Numbers that no equation can be solved for.
     #[error("the equations have no solution: {0}")]
     Singular(&'static str),

@@ -178,6 +178,15 @@ pub fn calibrate(
             turn_deg: settings.turn_deg,
         });
     }
+    let (offset_s, turn) = (unknowns[0], unknowns[1].to_degrees());
+    if offset_s.abs() > settings.offset_s || turn.abs() > settings.turn_deg {
+        return Err(CalibrateError::Outside {
+            offset_s,
+            turn,
+            most_s: settings.offset_s,
+            most_deg: settings.turn_deg,
+        });
+    }
     // Pairs share microphones and frames overlap: so many residuals count once.
     let microphones = declared.positions().len() as f64;
     let inflation = (microphones / 2.0 * INDEPENDENT_S / HOP_S).max(1.0);
@@ -495,6 +504,21 @@ mod tests {
         for (ours, theirs) in applied.positions().iter().zip(truth.positions()) {
             assert!(ours.distance_m(*theirs) < 0.06);
         }
+    }
+
+    #[test]
+    fn an_answer_outside_of_the_search_is_none() {
+        let (array, wrong) = truth();
+        let (heard, seen) = (heard(&array, wrong[0]), sightings(0.05));
+        let narrow = SpeechSettings {
+            offset_s: 0.06,
+            ..SpeechSettings::default()
+        };
+        let found = calibrate(&ring(), &heard, &seen, &narrow).err();
+        assert!(
+            matches!(found, Some(CalibrateError::Outside { offset_s, .. }) if offset_s > 0.06),
+            "{found:?}"
+        );
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub struct SteeredArraySettings {
     pub response: SteeredSettings,
     /// How the noise floor is followed.
     pub noise: NoiseSettings,
-    /// How many decibels above the noise floor a frequency must be to count; -100 counts all. Default 6. The phase transform
+    /// How many decibels above the noise floor a frequency must be to count; -100 counts all. Default 3. The phase transform
     /// makes all frequencies equal, so that a fan beside the array is else louder than a voice in the room.
     pub gate_db: f32,
     /// When sound counts as voice.
@@ -39,7 +39,7 @@ impl Default for SteeredArraySettings {
             hop_s: 0.08,
             response: SteeredSettings::default(),
             noise: NoiseSettings::default(),
-            gate_db: 6.0,
+            gate_db: 3.0,
             activity: ActivitySettings::default(),
         }
     }
