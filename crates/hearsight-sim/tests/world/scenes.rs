@@ -18,9 +18,11 @@ fn every_scene_resolves_and_repeats() {
         }
         let world = load(&path, &Overrides::new()).unwrap_or_else(|error| panic!("{error}"));
         let again = load(&path, &Overrides::new()).unwrap();
-        assert!(!world.cameras.is_empty() && !world.arrays.is_empty(), "{path:?}");
+        assert!(!world.cameras.is_empty(), "{path:?}");
+        // Scenes of pictures alone are silent.
+        let talks = world.people.iter().any(|person| !person.turns.is_empty());
+        assert!(talks || world.arrays.is_empty(), "{path:?}");
         for person in 0..world.people.len() {
-            assert!(!world.people[person].turns.is_empty(), "{path:?} {person}");
             for step in 0..50 {
                 let time = f64::from(step) * 0.37;
                 assert_eq!(world.posture(person, time), again.posture(person, time));
