@@ -5,6 +5,7 @@ mod cascade;
 mod flac;
 mod microphones;
 mod parameters;
+mod recording;
 mod room;
 mod saved_run;
 mod scenario;
@@ -54,6 +55,7 @@ pub const TARGETS: &[Target] = &[
     parameters::TARGET,
     state::TARGET,
     saved_run::TARGET,
+    recording::TARGET,
     wav::TARGET,
     flac::TARGET,
 ];

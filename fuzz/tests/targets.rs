@@ -47,6 +47,7 @@ targets! {
     parameters
     state
     saved_run
+    recording
     wav flac
 }
 

@@ -38,7 +38,11 @@ impl Measure {
 
     /// Whether a place can be compared so.
     pub fn can_use(self, place: &Place) -> bool {
-        self.raw(place, place).is_some()
+        match (self, place) {
+            (Self::Overlap, Place::Box(_)) | (Self::Metres, Place::World(_)) => true,
+            (Self::Pixels, place) => !matches!(place, Place::World(_)),
+            (Self::Overlap | Self::Metres, _) => false,
+        }
     }
 
     /// What is kept for each pair: the overlap itself, not its distance, so that nothing is lost to rounding.
@@ -114,20 +118,30 @@ impl Place {
     }
 }
 
-/// Intersection over union, 0 to 1; 0 for a box without area.
+/// Intersection over union, 0 to 1; 0 for a box without area. Most boxes are apart, which is known soon.
 fn overlap(one: &BoxRecord, other: &BoxRecord) -> f64 {
-    let edges = |b: &BoxRecord| (b.left, b.top, b.left + b.width, b.top + b.height);
-    let ((left, top, right, bottom), (other_left, other_top, other_right, other_bottom)) =
-        (edges(one), edges(other));
-    let width = (right.min(other_right) - left.max(other_left)).max(0.0);
-    let height = (bottom.min(other_bottom) - top.max(other_top)).max(0.0);
-    let intersection = width * height;
-    if intersection <= 0.0 {
+    let common = |one: [f64; 2], other: [f64; 2]| {
+        let end = if one[1] < other[1] { one[1] } else { other[1] };
+        let start = if one[0] > other[0] { one[0] } else { other[0] };
+        end - start
+    };
+    let across = |b: &BoxRecord| [b.left, b.left + b.width];
+    let down = |b: &BoxRecord| [b.top, b.top + b.height];
+    let width = common(across(one), across(other));
+    // What is not a number is no overlap either.
+    if width.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
         return 0.0;
     }
-    let union = (right - left) * (bottom - top) + (other_right - other_left) * (other_bottom - other_top)
-        - intersection;
-    let ratio = intersection / union;
+    let height = common(down(one), down(other));
+    let intersection = width * height;
+    if intersection.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
+        return 0.0;
+    }
+    let area = |b: &BoxRecord| {
+        let ([left, right], [top, bottom]) = (across(b), down(b));
+        (right - left) * (bottom - top)
+    };
+    let ratio = intersection / (area(one) + area(other) - intersection);
     if ratio.is_finite() { ratio } else { 0.0 }
 }
 

@@ -50,6 +50,9 @@ pub enum PairError {
         /// What was asked for.
         wanted: String,
     },
+    /// There is nothing on either side.
+    #[error("both sides are empty: there is nothing to judge; name files with rows in them")]
+    Empty,
     /// No camera is on both sides.
     #[error(
         "the cameras of the truth are {truth}, those of the tracks {tracks}: none is {wanted}; choose one by --camera"
@@ -88,7 +91,7 @@ impl From<SequenceError> for PairError {
 pub struct Paired {
     /// One case a picture, or the world; speech is in the only one or in one of its own.
     pub cases: Vec<Case>,
-    /// What was left out, sentences for people.
+    /// What was left out and what is odd, sentences for people.
     pub notes: Vec<String>,
 }
 
@@ -104,6 +107,17 @@ pub fn pair(
 ) -> Result<Paired, PairError> {
     check(options)?;
     let mut paired = Paired::default();
+    let sides = [(truth, "truth"), (tracks, "tracks")];
+    match sides.map(|(recording, _)| recording.is_empty()) {
+        [true, true] => return Err(PairError::Empty),
+        [true, false] => paired
+            .notes
+            .push("the truth is empty: all that was found is false".to_owned()),
+        [false, true] => paired
+            .notes
+            .push("the tracks are empty: all that is so was missed".to_owned()),
+        [false, false] => {}
+    }
     let speech = speech(truth, tracks, options);
     let measure = match options.measure {
         Some(measure) => Some(measure),
@@ -135,7 +149,7 @@ pub fn pair(
         (None, []) => return Err(nothing_in_common(truth, tracks, options)),
         (None, _) => {}
     }
-    for (recording, side) in [(truth, "truth"), (tracks, "tracks")] {
+    for (recording, side) in sides {
         if recording.set_aside > 0 {
             paired.notes.push(format!(
                 "{} rows of the {side} were set aside: a number was not finite",

@@ -91,6 +91,13 @@ impl Observation {
     }
 }
 
+impl Recording {
+    /// Whether there is nothing in it: no frame, and no turn of speech.
+    pub fn is_empty(&self) -> bool {
+        self.streams.iter().all(Stream::is_empty) && self.turns.as_ref().is_none_or(Vec::is_empty)
+    }
+}
+
 impl Stream {
     /// A stream without frames.
     pub fn new(scope: Scope, complete: bool) -> Self {

@@ -274,6 +274,36 @@ impl Frame<'_> {
             .distance_of(self.raw[person * self.tracks.len() + track])
     }
 
+    /// Person, track and similarity of every pair that is similar at all, by person and track.
+    pub(crate) fn similar(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+        let (measure, gate) = (self.measure, self.gate);
+        self.rows().flat_map(move |(person, row)| {
+            row.iter().enumerate().filter_map(move |(track, &raw)| {
+                let similarity = measure.similarity_of(raw, gate);
+                (similarity > 0.0).then_some((person, track, similarity))
+            })
+        })
+    }
+
+    /// Person, track and distance of every pair that is near enough, by person and track.
+    pub(crate) fn near(
+        &self,
+        is_near: impl Fn(f64) -> bool + Copy,
+    ) -> impl Iterator<Item = (usize, usize, f64)> {
+        let measure = self.measure;
+        self.rows().flat_map(move |(person, row)| {
+            row.iter().enumerate().filter_map(move |(track, &raw)| {
+                let distance = measure.distance_of(raw);
+                is_near(distance).then_some((person, track, distance))
+            })
+        })
+    }
+
+    /// Each person with what is kept of the pairs with all tracks.
+    fn rows(&self) -> impl Iterator<Item = (usize, &[f64])> + '_ {
+        self.raw.chunks_exact(self.tracks.len().max(1)).enumerate()
+    }
+
     /// Similarity of a person and a track, 0 to 1; see [`Measure`].
     pub fn similarity(&self, person: usize, track: usize) -> f64 {
         self.measure

@@ -270,6 +270,13 @@ fn an_empty_file_is_an_empty_side() {
             Side::Tracks,
         );
         let report = judge(&full, &empty, &Options::default());
+        assert!(
+            report.notes[0].contains("the tracks are empty"),
+            "{:?}",
+            report.notes
+        );
+        let refused = pair("", &empty, &empty, &Options::default());
+        assert!(matches!(refused, Err(PairError::Empty)), "{name}");
         assert_eq!(report.value("mota"), Some(0.0), "{name}");
         assert_eq!(report.value("HOTA"), Some(0.0), "{name}");
     }
@@ -340,6 +347,11 @@ fn errors_name_file_line_field_value_and_cure() {
             "scenes.jsonl",
             "{\"tracks\":[]}\n",
             "line 1: missing field `schema` at column 13; correct or leave out the line",
+        ),
+        (
+            "a.bin",
+            " \n",
+            "it is empty, and its name does not tell what it is; name its format: truth, scenes, mot",
         ),
         (
             "a.bin",

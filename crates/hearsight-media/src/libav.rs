@@ -1,5 +1,7 @@
 //! What libav needs and its safe bindings lack: opening with a named format, options and a deadline at once.
 
+mod log;
+
 use ffmpeg_next::format::context::Input;
 use ffmpeg_next::{Dictionary, Error, ffi};
 use std::ffi::CString;
@@ -8,15 +10,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Once};
 use std::time;
 
-/// Registers devices and silences libav, once. Its messages carry neither the file nor the consequence; what matters
-/// comes back as errors and faults.
+/// Registers devices and passes libav's messages on, once.
 pub(crate) fn initialize() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
+        log::begin();
         if let Err(error) = ffmpeg_next::init() {
             tracing::warn!(%error, "libav did not initialize");
         }
-        ffmpeg_next::log::set_level(ffmpeg_next::log::Level::Quiet);
         ffmpeg_next::format::network::init();
     });
 }

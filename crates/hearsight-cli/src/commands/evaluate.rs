@@ -135,7 +135,7 @@ pub(crate) fn run(arguments: &Arguments) -> miette::Result<Code> {
             .map_err(|_| miette!("reading {} failed", tracks.display()))?
             .into_diagnostic()?;
         let name = if pairs.len() > 1 {
-            format!("{}", index + 1)
+            format!("{} {}", index + 1, short_name(tracks))
         } else {
             String::new()
         };
@@ -161,13 +161,22 @@ pub(crate) fn run(arguments: &Arguments) -> miette::Result<Code> {
     if !arguments.quiet {
         say::line(report.table().trim_end());
         for note in &report.notes {
-            say::line(format_args!("left out: {note}"));
+            say::line(format_args!("note: {note}"));
         }
         for path in arguments.json.iter().chain(&arguments.html) {
             say::line(format_args!("written to {}", path.display()));
         }
     }
     Ok(Code::Done)
+}
+
+/// A name for one of several recordings: that of the directory, as files are often called alike.
+fn short_name(path: &Path) -> String {
+    let named = path
+        .parent()
+        .filter(|parent| !path.is_dir() && parent.file_name().is_some());
+    let name = named.unwrap_or(path).file_name();
+    name.map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
 fn write(path: &Path, text: &str) -> miette::Result<()> {

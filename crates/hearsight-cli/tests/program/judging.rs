@@ -65,6 +65,7 @@ fn what_cannot_be_judged_is_refused_with_a_cure() {
     let good = file("gt.txt", "1,1,0,0,5,5\n");
     let bad = file("bad.txt", "1,1,0,0,5,5\n1,2,0,x,5,5\n");
     let speech = file("a.rttm", "SPEAKER a 1 0 1 <NA> <NA> anna <NA> <NA>\n");
+    let empty = file("empty.txt", "");
     let missing = directory.path().join("missing");
     for (arguments, words) in [
         (
@@ -78,6 +79,10 @@ fn what_cannot_be_judged_is_refused_with_a_cure() {
         (
             vec!["evaluate", text(&good), text(&missing)],
             vec!["cannot read", "check the path", "missing"],
+        ),
+        (
+            vec!["evaluate", text(&empty), text(&empty)],
+            vec!["both sides are empty", "name files with rows"],
         ),
         (
             vec!["evaluate", text(&good), text(&good), "--gate", "0"],

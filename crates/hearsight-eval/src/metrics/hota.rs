@@ -80,16 +80,12 @@ pub fn hota(sequence: &Sequence) -> Result<HotaCounts, SequenceError> {
     let (mut edges, mut pairs, mut matcher) = (Vec::new(), Vec::new(), Matcher::default());
     for frame in sequence.frames() {
         edges.clear();
-        for (person, seen) in frame.truth.iter().enumerate() {
-            for (track, other) in frame.tracks.iter().enumerate() {
-                let similarity = frame.similarity(person, track);
-                if similarity > 0.0
-                    && let Some(number) = alignment.numbers.known(seen.who, other.who)
-                {
-                    let cost = -alignment.score[number] * similarity;
-                    let (row, column) = (person as u32, track as u32);
-                    edges.push(Edge { row, column, cost });
-                }
+        for (person, track, similarity) in frame.similar() {
+            let (seen, other) = (frame.truth[person].who, frame.tracks[track].who);
+            if let Some(number) = alignment.numbers.known(seen, other) {
+                let cost = -alignment.score[number] * similarity;
+                let (row, column) = (person as u32, track as u32);
+                edges.push(Edge { row, column, cost });
             }
         }
         matcher.pair(
@@ -148,32 +144,30 @@ impl Alignment {
         let mut together: Vec<f64> = Vec::new();
         let mut frames_of_person = vec![0.0_f64; sequence.person_count()];
         let mut frames_of_track = vec![0.0_f64; sequence.track_count()];
-        let (mut of_person, mut of_track) = (Vec::new(), Vec::new());
+        let (mut of_person, mut of_track, mut similar) = (Vec::new(), Vec::new(), Vec::new());
         for frame in sequence.frames() {
             of_person.clear();
             of_person.resize(frame.truth.len(), 0.0);
             of_track.clear();
             of_track.resize(frame.tracks.len(), 0.0);
-            for person in 0..frame.truth.len() {
-                frames_of_person[frame.truth[person].who as usize] += 1.0;
-                for track in 0..frame.tracks.len() {
-                    let similarity = frame.similarity(person, track);
-                    of_person[person] += similarity;
-                    of_track[track] += similarity;
-                }
+            for person in frame.truth {
+                frames_of_person[person.who as usize] += 1.0;
             }
             for track in frame.tracks {
                 frames_of_track[track.who as usize] += 1.0;
             }
-            for (person, seen) in frame.truth.iter().enumerate() {
-                for (track, other) in frame.tracks.iter().enumerate() {
-                    let similarity = frame.similarity(person, track);
-                    let all = of_track[track] + of_person[person] - similarity;
-                    if similarity > 0.0 && all > f64::EPSILON {
-                        let number = numbers.number(seen.who, other.who);
-                        together.resize(numbers.len(), 0.0);
-                        together[number] += similarity / all;
-                    }
+            similar.clear();
+            similar.extend(frame.similar());
+            for &(person, track, similarity) in &similar {
+                of_person[person] += similarity;
+                of_track[track] += similarity;
+            }
+            for &(person, track, similarity) in &similar {
+                let all = of_track[track] + of_person[person] - similarity;
+                if all > f64::EPSILON {
+                    let number = numbers.number(frame.truth[person].who, frame.tracks[track].who);
+                    together.resize(numbers.len(), 0.0);
+                    together[number] += similarity / all;
                 }
             }
         }

@@ -40,15 +40,12 @@ pub struct OwnTracks {
 pub fn own_tracks(sequence: &Sequence) -> Result<OwnTracks, SequenceError> {
     let mut numbers = PairNumbers::new(sequence.person_count());
     let mut frames_together: Vec<u64> = Vec::new();
+    let gate = sequence.gate();
     for frame in sequence.frames() {
-        for (person, seen) in frame.truth.iter().enumerate() {
-            for (track, other) in frame.tracks.iter().enumerate() {
-                if frame.distance(person, track) <= sequence.gate() {
-                    let number = numbers.number(seen.who, other.who);
-                    frames_together.resize(numbers.len(), 0);
-                    frames_together[number] += 1;
-                }
-            }
+        for (person, track, _) in frame.near(|distance| distance <= gate) {
+            let number = numbers.number(frame.truth[person].who, frame.tracks[track].who);
+            frames_together.resize(numbers.len(), 0);
+            frames_together[number] += 1;
         }
     }
     let edges: Vec<Edge> = numbers

@@ -57,27 +57,29 @@ pub(super) struct Pairing {
 
 impl Pairing {
     pub(super) fn pair(&mut self, frame: &Frame<'_>, cutoff: f64, order: f64) -> Result<(), SequenceError> {
-        let most = cutoff.powf(order);
+        let most = power(cutoff, order);
         self.edges.clear();
-        for person in 0..frame.truth.len() {
-            for track in 0..frame.tracks.len() {
-                let distance = frame.distance(person, track);
-                if distance < cutoff {
-                    self.edges.push(Edge {
-                        row: person as u32,
-                        column: track as u32,
-                        cost: distance.powf(order) - most,
-                    });
-                }
-            }
-        }
+        let near = frame.near(|distance| distance < cutoff);
+        self.edges.extend(near.map(|(person, track, distance)| Edge {
+            row: person as u32,
+            column: track as u32,
+            cost: power(distance, order) - most,
+        }));
         let (people, tracks) = (frame.truth.len(), frame.tracks.len());
         self.matcher
             .pair(people, tracks, &self.edges, Aim::Least, &mut self.pairs)?;
-        let power =
-            |&(person, track): &(u32, u32)| frame.distance(person as usize, track as usize).powf(order);
-        self.near = self.pairs.iter().map(power).sum();
+        let distance = |&(person, track): &(u32, u32)| frame.distance(person as usize, track as usize);
+        self.near = self.pairs.iter().map(|pair| power(distance(pair), order)).sum();
         Ok(())
+    }
+}
+
+/// A distance to the power of the order, which is 1 or 2 in all that is judged here.
+fn power(distance: f64, order: f64) -> f64 {
+    match order {
+        1.0 => distance,
+        2.0 => distance * distance,
+        order => distance.powf(order),
     }
 }
 

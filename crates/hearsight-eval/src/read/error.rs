@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// The file could not be opened or read: check the path and the permissions.
-    #[error("cannot read: {source}; check the path and the permissions ({file})", file = file.display())]
+    #[error("cannot read {file}; check the path and the permissions", file = file.display())]
     Read {
         /// The file or directory.
         file: PathBuf,

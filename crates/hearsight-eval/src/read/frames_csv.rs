@@ -20,7 +20,7 @@ pub(super) const FORMAT: FormatInfo = FormatInfo {
 const SIZE_PX: [f64; 2] = [360.0, 288.0];
 
 fn read(source: &Source<'_>) -> Result<Recording, ReadError> {
-    let mut rows = Rows::with_header(source)?;
+    let mut rows = Rows::with_header(source);
     let (frame, time) = (rows.needed("frame")?, rows.needed("t_sec")?);
     let visible = rows.column("n_visible");
     let people: Vec<(String, usize, usize)> = rows
@@ -34,7 +34,7 @@ fn read(source: &Source<'_>) -> Result<Recording, ReadError> {
         .collect();
     let mut stream = Stream::new(Scope::Picture(camera(source.name())), true);
     let mut set_aside = 0;
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.next() {
         let (number, time_s) = (row.count(frame)?, row.number(time)?);
         if stream.newest().is_some_and(|newest| newest >= number) {
             return Err(row.invalid(frame, "frames must ascend; sort the rows"));

@@ -124,7 +124,11 @@ fn recognize(source: &Source<'_>) -> Result<&'static FormatInfo, ReadError> {
         let known: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
         ReadError::Format {
             file: source.path.to_owned(),
-            detail: "neither its name nor its first line tells what it is".to_owned(),
+            detail: if line.trim().is_empty() {
+                "it is empty, and its name does not tell what it is".to_owned()
+            } else {
+                "neither its name nor its first line tells what it is".to_owned()
+            },
             cure: format!("name its format: {}", known.join(", ")),
         }
     })

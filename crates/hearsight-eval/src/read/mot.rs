@@ -42,7 +42,7 @@ fn read(source: &Source<'_>) -> Result<Recording, ReadError> {
     let mut names = Names::default();
     let mut found: Vec<(u64, u64, Observation)> = Vec::new();
     let mut set_aside = 0;
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.next() {
         if row.len() < 6 {
             return Err(row.invalid(row.len(), "a row has at least six columns; correct it"));
         }

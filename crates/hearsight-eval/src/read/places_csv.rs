@@ -21,7 +21,7 @@ pub(super) const FORMAT: FormatInfo = FormatInfo {
 };
 
 fn read(source: &Source<'_>) -> Result<Recording, ReadError> {
-    let mut rows = Rows::with_header(source)?;
+    let mut rows = Rows::with_header(source);
     let who = match rows.column("person") {
         Some(column) => column,
         None => rows.needed("track")?,
@@ -33,7 +33,7 @@ fn read(source: &Source<'_>) -> Result<Recording, ReadError> {
     let mut names = Names::default();
     let mut found: Vec<(f64, u64, u32, Option<Place>, Sighting)> = Vec::new();
     let mut set_aside = 0;
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.next() {
         let time_s = row.number(time)?;
         let place = match [
             row.optional(Some(x))?,

@@ -1,7 +1,9 @@
-//! Rows of CSV with names for their columns, and numbers out of them.
+//! Rows of fields between commas with names for their columns, and numbers out of them.
+//!
+//! None of the formats quotes fields, and files of millions of rows are read before every judgement: splitting at commas
+//! and a short way for short numbers take a quarter of the time of general readers.
 
 use super::{ReadError, Source};
-use csv::{ByteRecord, ReaderBuilder, Trim};
 
 /// Largest number of a frame or person: whole numbers up to here are exact.
 const MOST: f64 = 9_007_199_254_740_992.0;
@@ -9,30 +11,29 @@ const MOST: f64 = 9_007_199_254_740_992.0;
 /// Rows of a file in turn.
 pub(super) struct Rows<'a> {
     source: &'a Source<'a>,
-    reader: csv::Reader<&'a [u8]>,
-    record: ByteRecord,
+    rest: &'a [u8],
+    /// The line read last, from 1.
+    line: u64,
+    fields: Vec<&'a [u8]>,
     columns: Vec<String>,
 }
 
 /// A row in hand.
 pub(super) struct Row<'r> {
     source: &'r Source<'r>,
-    record: &'r ByteRecord,
+    fields: &'r [&'r [u8]],
     columns: &'r [String],
     pub(super) line: u64,
 }
 
 impl<'a> Rows<'a> {
     /// A file whose first row names the columns.
-    pub(super) fn with_header(source: &'a Source<'a>) -> Result<Self, ReadError> {
+    pub(super) fn with_header(source: &'a Source<'a>) -> Self {
         let mut rows = Self::new(source, Vec::new());
-        let first = rows.next()?.map(|row| {
-            let fields = row.record.iter();
-            let text = |field| String::from_utf8_lossy(field).trim().to_ascii_lowercase();
-            fields.map(text).collect()
-        });
+        let text = |field: &&[u8]| String::from_utf8_lossy(field).to_ascii_lowercase();
+        let first = rows.next().map(|row| row.fields.iter().map(text).collect());
         rows.columns = first.unwrap_or_default();
-        Ok(rows)
+        rows
     }
 
     /// A file without a header; `columns` are names for messages.
@@ -41,16 +42,11 @@ impl<'a> Rows<'a> {
     }
 
     fn new(source: &'a Source<'a>, columns: Vec<String>) -> Self {
-        let reader = ReaderBuilder::new()
-            .has_headers(false)
-            .flexible(true)
-            .quoting(false)
-            .trim(Trim::None)
-            .from_reader(source.bytes);
         Self {
             source,
-            reader,
-            record: ByteRecord::new(),
+            rest: source.bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(source.bytes),
+            line: 0,
+            fields: Vec::new(),
             columns,
         }
     }
@@ -76,46 +72,84 @@ impl<'a> Rows<'a> {
     }
 
     /// The next row that is not empty.
-    pub(super) fn next(&mut self) -> Result<Option<Row<'_>>, ReadError> {
-        loop {
-            let found = self.reader.read_byte_record(&mut self.record);
-            let line = self.record.position().map_or(0, csv::Position::line);
-            let good = found.map_err(|error| ReadError::Syntax {
-                file: self.source.path.to_owned(),
-                line,
-                detail: error.to_string(),
-                cure: "correct the row".to_owned(),
-            })?;
-            if !good {
-                return Ok(None);
+    pub(super) fn next(&mut self) -> Option<Row<'_>> {
+        while !self.rest.is_empty() {
+            self.line += 1;
+            self.fields.clear();
+            let (mut start, mut end) = (0, self.rest.len());
+            for (at, &byte) in self.rest.iter().enumerate() {
+                if byte == b',' {
+                    self.fields.push(self.rest[start..at].trim_ascii());
+                    start = at + 1;
+                } else if byte == b'\n' {
+                    end = at;
+                    break;
+                }
             }
-            if self.record.iter().any(|field| !field.trim_ascii().is_empty()) {
-                return Ok(Some(Row {
+            self.fields.push(self.rest[start..end].trim_ascii());
+            self.rest = self.rest.get(end + 1..).unwrap_or_default();
+            if self.fields.iter().any(|field| !field.is_empty()) {
+                return Some(Row {
                     source: self.source,
-                    record: &self.record,
+                    fields: &self.fields,
                     columns: &self.columns,
-                    line,
-                }));
+                    line: self.line,
+                });
             }
         }
+        None
     }
+}
+
+/// The number of a short text of digits, perhaps with a sign and a point; none for any other text. Digits and power of
+/// ten are exact, so that their quotient is the number nearest to the text, as of the general way.
+fn short_number(text: &[u8]) -> Option<f64> {
+    const POWERS: [f64; 16] = [
+        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+    ];
+    let (is_negative, digits) = match text {
+        [b'-', digits @ ..] => (true, digits),
+        digits => (false, digits),
+    };
+    if digits.len() > 16 {
+        return None;
+    }
+    let (mut whole, mut decimals, mut has_point) = (0_u64, 0, false);
+    for &byte in digits {
+        match byte {
+            b'0'..=b'9' => {
+                whole = 10 * whole + u64::from(byte - b'0');
+                decimals += usize::from(has_point);
+            }
+            b'.' if !has_point => has_point = true,
+            _ => return None,
+        }
+    }
+    let count = digits.len() - usize::from(has_point);
+    if !(1..=15).contains(&count) {
+        return None;
+    }
+    let number = whole as f64 / POWERS[decimals];
+    Some(if is_negative { -number } else { number })
 }
 
 impl Row<'_> {
     /// Number of fields.
     pub(super) fn len(&self) -> usize {
-        self.record.len()
+        self.fields.len()
     }
 
     /// The text of a field; empty where the row is too short.
     pub(super) fn text(&self, place: usize) -> &[u8] {
-        self.record.get(place).unwrap_or_default().trim_ascii()
+        self.fields.get(place).copied().unwrap_or_default()
     }
 
     /// A number, perhaps not finite.
     pub(super) fn number(&self, place: usize) -> Result<f64, ReadError> {
-        let text = std::str::from_utf8(self.text(place)).ok();
-        text.and_then(|text| text.parse().ok())
+        let text = self.text(place);
+        let general = || std::str::from_utf8(text).ok()?.parse().ok();
+        short_number(text)
+            .or_else(general)
             .ok_or_else(|| self.invalid(place, "it must be a number; correct the row"))
     }
 
@@ -163,6 +197,49 @@ impl Row<'_> {
             b"1" | b"true" => Ok(Some(true)),
             b"0" | b"false" => Ok(Some(false)),
             _ => Err(self.invalid(place, "it must be 0 or 1; correct the row")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn short_numbers_are_those_of_the_general_way(text in "-?[0-9.]{0,18}") {
+            if let Some(number) = short_number(text.as_bytes()) {
+                prop_assert_eq!(number.to_bits(), text.parse::<f64>().unwrap().to_bits(), "{}", text);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_short_number_is_left_to_the_general_way() {
+        for text in [
+            "",
+            "-",
+            ".",
+            "-.",
+            "1.2.3",
+            "1e5",
+            "nan",
+            "+1",
+            "1234567890123456",
+            "0x1",
+            "1 2",
+        ] {
+            assert_eq!(short_number(text.as_bytes()), None, "{text}");
+        }
+        for (text, number) in [
+            ("5", 5.0),
+            (".5", 0.5),
+            ("5.", 5.0),
+            ("-12.25", -12.25),
+            ("123456789012345", 123_456_789_012_345.0),
+        ] {
+            assert_eq!(short_number(text.as_bytes()), Some(number));
         }
     }
 }

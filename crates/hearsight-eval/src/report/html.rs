@@ -42,7 +42,7 @@ pub(super) fn html(report: &Report) -> String {
     let _ = writeln!(page, "<p>{}</p>", escape(&how(report)));
     headlines(report, &mut page);
     if !report.notes.is_empty() {
-        page.push_str("<h2>Left out</h2>\n<ul>\n");
+        page.push_str("<h2>Notes</h2>\n<ul>\n");
         for note in &report.notes {
             let _ = writeln!(page, "<li>{}</li>", escape(note));
         }
@@ -60,7 +60,8 @@ pub(super) fn html(report: &Report) -> String {
         for figure in figures {
             let _ = writeln!(
                 page,
-                "<figure><figcaption><b>{}</b> {}</figcaption>\n{}</figure>",
+                "<figure style=\"flex-basis:{:.0}px\"><figcaption><b>{}</b> {}</figcaption>\n{}</figure>",
+                figure.width + 30.0,
                 figure.title,
                 escape(&figure.caption),
                 figure.body
@@ -107,7 +108,10 @@ fn headlines(report: &Report, page: &mut String) {
         let Some(info) = info.into_iter().find(|info| info.name == *metric) else {
             continue;
         };
-        let value = shown(report.value(metric), false);
+        let Some(value) = report.value(metric) else {
+            continue;
+        };
+        let value = shown(Some(value), false);
         let (unit, sign) = (info.unit.name(report.measure()), arrow(info.better));
         let _ = writeln!(
             page,

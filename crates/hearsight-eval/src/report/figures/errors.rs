@@ -79,16 +79,15 @@ pub(super) fn figure(case: &Case) -> Option<Figure> {
         plot.line(&format!("stroke {}", colour(who)), &title, points);
         // Misses, as marks above the gate.
         let at = gate * (1.03 + 0.07 * (who as f64 + 0.5) / people as f64);
+        // A miss lasts until the next frame, so that those that follow each other make one mark.
+        let lasts = step * sparse as f64;
         let missed = of_person
             .iter()
             .enumerate()
             .flat_map(|(bin, [_, pairs, frames])| {
-                let time = low + (bin as f64 + 0.5) * step;
-                let is_missed = *frames > *pairs;
-                [
-                    is_missed.then_some((time, at)),
-                    is_missed.then_some((time + step, at)),
-                ]
+                let time = low + bin as f64 * step;
+                let ends = [Some((time, at)), Some(((time + lasts).min(end), at)), None];
+                ends.map(|point| point.filter(|_| frames > pairs))
             });
         plot.line(
             &format!("stroke thin {}", colour(who)),
@@ -105,5 +104,6 @@ pub(super) fn figure(case: &Case) -> Option<Figure> {
         caption: "Distance of each person's track; a mark above the gate where the person has none."
             .to_owned(),
         body: plot.finish() + &legend(&entries),
+        width: WIDE,
     })
 }

@@ -4,7 +4,7 @@ use super::{Figure, MOST_SHOWN, name, time_axis};
 use crate::case::Case;
 use crate::events::Event;
 use crate::recording::median_interval_s;
-use crate::report::plot::{Axis, Plot, colour};
+use crate::report::plot::{Axis, Plot, WIDE, colour};
 
 /// Most bars of the figure.
 const MOST_BARS: usize = 4000;
@@ -93,5 +93,6 @@ pub(super) fn figure(case: &Case) -> Option<Figure> {
         title: "Who has which track",
         caption,
         body: plot.finish(),
+        width: WIDE,
     })
 }

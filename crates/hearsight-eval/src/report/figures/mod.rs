@@ -15,6 +15,8 @@ pub(super) struct Figure {
     pub(super) caption: String,
     /// HTML: a plot and its legend.
     pub(super) body: String,
+    /// Width, in the units of the plots.
+    pub(super) width: f64,
 }
 
 /// Every kind of figure, in the order of the page; each gives none where the case lacks what it shows.

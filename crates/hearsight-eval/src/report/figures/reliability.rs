@@ -6,6 +6,9 @@ use crate::metrics::Family;
 use crate::metrics::calibration::{BINS, ExistenceCalibration, Reliability, SpeakingCalibration};
 use crate::report::plot::{Axis, Plot, legend};
 
+/// Width of the figure.
+const WIDTH: f64 = 320.0;
+
 pub(super) fn speaking(case: &Case) -> Option<Figure> {
     let reliability = SpeakingCalibration::count(case).ok()??;
     Some(figure("Probability of speaking", "speak", &reliability))
@@ -24,8 +27,8 @@ fn figure(title: &'static str, what: &str, reliability: &Reliability) -> Figure 
     };
     let mut plot = Plot::new(
         title,
-        400.0,
-        360.0,
+        WIDTH,
+        300.0,
         axis("probability given"),
         axis("part that is so"),
     );
@@ -72,5 +75,6 @@ fn figure(title: &'static str, what: &str, reliability: &Reliability) -> Figure 
         title,
         caption: format!("Of all tracks given a probability, how many {what}. Expected error {error:.3}."),
         body: plot.finish() + &legend(&entries),
+        width: WIDTH,
     }
 }

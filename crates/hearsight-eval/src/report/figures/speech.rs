@@ -2,7 +2,7 @@
 
 use super::{Figure, MOST_SHOWN, name};
 use crate::case::Case;
-use crate::report::plot::{Axis, Plot, legend};
+use crate::report::plot::{Axis, Plot, WIDE, legend};
 use crate::speech::{Turn, compare};
 
 /// Most turns of a side that are drawn.
@@ -76,6 +76,7 @@ pub(super) fn figure(case: &Case) -> Option<Figure> {
         caption: "A row a speaker of the truth: above, when they speak; below, when the result says so."
             .to_owned(),
         body: plot.finish() + &legend(&entries),
+        width: WIDE,
     })
 }
 

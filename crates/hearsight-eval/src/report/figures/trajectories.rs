@@ -9,7 +9,7 @@ use crate::sequence::Sighting;
 /// Points of all lines together; more are thinned out.
 const POINTS: usize = 20_000;
 /// Longest side of the figure.
-const SIDE: f64 = 620.0;
+const SIDE: f64 = 430.0;
 /// Most tracks that are drawn.
 const MOST_TRACKS: usize = 300;
 
@@ -85,5 +85,6 @@ pub(super) fn figure(case: &Case) -> Option<Figure> {
         caption: "Where people really go (wide, coloured) and where the tracks say they go (thin)."
             .to_owned(),
         body: plot.finish() + &legend(&entries),
+        width,
     })
 }
