@@ -16,13 +16,13 @@ pub enum EngineError {
     #[diagnostic(transparent)]
     Configuration(#[from] ConfigurationError),
     /// A camera or array cannot be opened: mend or replace what it reads.
-    #[error("{sensor}: {source}")]
+    #[error("{sensor}: {error}")]
     #[diagnostic(code(hearsight::sensor))]
     Sensor {
         /// The sensor's name.
         sensor: String,
-        /// What is wrong.
-        source: MediaError,
+        /// What is wrong. It is part of the message, and so no source of its own, which would be printed again.
+        error: MediaError,
     },
     /// The sensors do not fit each other or their geometry: correct the configuration.
     #[error("{what}")]
@@ -54,7 +54,7 @@ pub enum EngineError {
     #[diagnostic(code(hearsight::room))]
     Moments(#[from] MomentError),
     /// A calibration does not fit its camera: name another, or leave it out.
-    #[error("camera {camera}: {source}")]
+    #[error("camera {camera}: {error}")]
     #[diagnostic(
         code(hearsight::calibration),
         help("name the calibration of this very camera and resolution (is `index` right?)")
@@ -62,8 +62,8 @@ pub enum EngineError {
     Calibration {
         /// The camera's name.
         camera: String,
-        /// What is wrong.
-        source: CalibrationError,
+        /// What is wrong, part of the message.
+        error: CalibrationError,
     },
     /// The system refuses the room or its parameters: correct the configuration.
     #[error(transparent)]

@@ -178,9 +178,9 @@ fn input_options(format: &Option<String>, options: &BTreeMap<String, String>) ->
 }
 
 fn open_camera(camera: &ResolvedCamera, clock: RunClock) -> Result<Box<dyn VideoSource>, EngineError> {
-    let source = camera_source(camera, clock).map_err(|source| EngineError::Sensor {
+    let source = camera_source(camera, clock).map_err(|error| EngineError::Sensor {
         sensor: camera.name.clone(),
-        source,
+        error,
     })?;
     let Some(pace) = pace(camera.paced, source.format().live, clock) else {
         return Ok(source);
@@ -234,9 +234,9 @@ fn camera_source(camera: &ResolvedCamera, run: RunClock) -> Result<Box<dyn Video
 }
 
 fn open_array(array: &ResolvedArray, clock: RunClock) -> Result<Box<dyn AudioSource>, EngineError> {
-    let source = array_source(array, clock).map_err(|source| EngineError::Sensor {
+    let source = array_source(array, clock).map_err(|error| EngineError::Sensor {
         sensor: array.name.clone(),
-        source,
+        error,
     })?;
     let Some(pace) = pace(array.paced, source.format().live, clock) else {
         return Ok(source);
@@ -312,9 +312,9 @@ fn room(
             height: format.height,
             interval: format.interval,
             calibration: calibration
-                .map_err(|source| EngineError::Calibration {
+                .map_err(|error| EngineError::Calibration {
                     camera: camera.name.clone(),
-                    source,
+                    error,
                 })?
                 .or(made.get(number).copied().flatten()),
         })

@@ -156,12 +156,19 @@ impl Ears {
             ..settings
         };
         let heard = paired
-            .map(|index| ArrayPercepts::new(settings, &room.arrays[index], room.speed_of_sound_m_s))
-            .transpose()
-            .map_err(|error| SystemError::Parameters {
-                system,
-                reason: error.to_string(),
-            })?;
+            .map(|index| {
+                let array = &room.arrays[index];
+                ArrayPercepts::new(settings, array, room.speed_of_sound_m_s)
+                    .map_err(|error| SystemError::Room {
+                        system,
+                        reason: format!(
+                            "array `{}` of {} samples a second: {error}; `rate` and `microphones` are in [[array]], \
+                             the rest is in [system.{system}.audio]",
+                            array.name, array.rate_hz
+                        ),
+                    })
+            })
+            .transpose()?;
         let map = match (&heard, &room.cameras[camera].calibration) {
             (Some(heard), Some(calibration)) => Some(SoundMap::new(calibration, heard)),
             _ => None,
