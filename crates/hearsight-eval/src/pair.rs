@@ -124,6 +124,18 @@ pub fn pair(
         None => common_measure(truth, tracks),
     };
     if let Some(measure) = measure {
+        let placed = |side: &Recording| {
+            let mut all = side.streams.iter().flat_map(Stream::observations);
+            all.any(|observation| measure.can_use(&observation.seen.place))
+        };
+        for (recording, side) in sides.iter().filter(|(side, _)| !side.names.is_empty()) {
+            if !placed(recording) {
+                let unit = format!("{measure:?}").to_lowercase();
+                paired.notes.push(format!(
+                    "nobody of the {side} has a place that can be compared by {unit}"
+                ));
+            }
+        }
         let streams = match measure {
             Measure::Metres => worlds(truth, tracks),
             Measure::Overlap | Measure::Pixels => pictures(truth, tracks, options.camera.as_deref())?,
@@ -146,7 +158,10 @@ pub fn pair(
             case.speech = Some(speech);
             paired.cases.push(case);
         }
-        (None, []) => return Err(nothing_in_common(truth, tracks, options)),
+        // Pictures without a frame that is judged are nothing either.
+        (None, cases) if cases.iter().all(|case| case.sequence.is_empty()) => {
+            return Err(nothing_in_common(truth, tracks, options));
+        }
         (None, _) => {}
     }
     for (recording, side) in sides {
@@ -226,7 +241,10 @@ fn common_measure(truth: &Recording, tracks: &Recording) -> Option<Measure> {
             Measure::Overlap
         })
     } else {
-        scopes(false).then_some(Measure::Metres)
+        // Who has tracks but no place for them does not know the world, and has missed nobody there.
+        let is_world = |place: &Place| matches!(place, Place::World(_));
+        let knows = |side: &Recording| side.names.is_empty() || side.has(is_world);
+        (scopes(false) && knows(truth) && knows(tracks)).then_some(Measure::Metres)
     }
 }
 

@@ -283,6 +283,23 @@ fn an_empty_file_is_an_empty_side() {
 }
 
 #[test]
+fn tracks_without_places_are_not_held_against_a_truth_in_the_world() {
+    let truth = of("truth.jsonl", &truth(), Side::Truth);
+    let text = "t_sec,track,x_m,y_m,z_m,speaking\n0.0,1,,,,1\n0.1,1,,,,0\n";
+    let tracks = of("tracks.csv", text, Side::Tracks);
+    let report = judge(&truth, &tracks, &Options::default());
+    assert_eq!(report.value("mota"), None);
+    assert!(report.value("diarization error rate").is_some());
+    let metres = Options {
+        measure: Some(Measure::Metres),
+        ..Options::default()
+    };
+    let report = judge(&truth, &tracks, &metres);
+    assert_eq!(report.value("mota"), Some(0.0));
+    assert!(report.notes[0].contains("nobody of the tracks has a place that can be compared by metres"));
+}
+
+#[test]
 fn errors_name_file_line_field_value_and_cure() {
     let future = truth().replace(r#""schema":"1.0""#, r#""schema":"2.0""#);
     let backwards: String = truth().lines().rev().map(|line| format!("{line}\n")).collect();

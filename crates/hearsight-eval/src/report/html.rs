@@ -1,7 +1,7 @@
 //! One page of HTML that needs nothing else: no script, no network, light and dark.
 
 use super::figures::figures;
-use super::plot::escape;
+use super::plot::{WIDE, escape};
 use super::{Report, shown};
 use crate::measure::Measure;
 use crate::metrics::{Better, Unit};
@@ -58,10 +58,14 @@ pub(super) fn html(report: &Report) -> String {
         }
         page.push_str("<div class=\"figures\">\n");
         for figure in figures {
+            let basis = if figure.width < WIDE {
+                format!("{:.0}px", figure.width + 30.0)
+            } else {
+                "100%".to_owned()
+            };
             let _ = writeln!(
                 page,
-                "<figure style=\"flex-basis:{:.0}px\"><figcaption><b>{}</b> {}</figcaption>\n{}</figure>",
-                figure.width + 30.0,
+                "<figure style=\"flex-basis:{basis}\"><figcaption><b>{}</b> {}</figcaption>\n{}</figure>",
                 figure.title,
                 escape(&figure.caption),
                 figure.body
