@@ -62,8 +62,7 @@ fn logged(level: Level) -> String {
     tracing::subscriber::with_default(lines, || {
         assert!(VideoFile::open(&path, VideoOptions::default()).is_err());
     });
-    let text = said.lock().unwrap().clone();
-    text
+    said.lock().unwrap().clone()
 }
 
 #[test]

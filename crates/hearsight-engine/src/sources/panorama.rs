@@ -21,9 +21,9 @@ pub(super) fn open(
         let calibration = lens
             .map(|lens| lens.camera(format.width, format.height))
             .transpose()
-            .map_err(|source| EngineError::Calibration {
+            .map_err(|error| EngineError::Calibration {
                 camera: camera.name.clone(),
-                source,
+                error,
             })?;
         // Asked for where the configuration is resolved; one that was made otherwise may lack it.
         let calibration = calibration.ok_or_else(|| EngineError::Room {
