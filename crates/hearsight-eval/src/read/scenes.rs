@@ -107,11 +107,13 @@ fn add(stream: &mut Stream, track: &TrackRecord, who: u32, place: Place, set_asi
         *set_aside += 1;
         return;
     }
+    // What is no probability is not known, as in the other formats.
+    let probability = |value: Option<f64>| value.filter(|value| (0.0..=1.0).contains(value));
     stream.push(Observation::new(Sighting {
         who,
         place,
         speaking: track.speaking_probability.map(|_| track.speaking),
-        speaking_probability: track.speaking_probability,
-        existence: Some(track.existence),
+        speaking_probability: probability(track.speaking_probability),
+        existence: probability(Some(track.existence)),
     }));
 }
