@@ -214,6 +214,16 @@ fn rttm_is_judged_alone() {
 }
 
 #[test]
+fn turns_ages_away_are_set_aside() {
+    let far = of(
+        "far.rttm",
+        "SPEAKER a 1 2.3e16 1.5 <NA> <NA> anna <NA> <NA>\nSPEAKER a 1 0 1 <NA> <NA> bert <NA> <NA>\n",
+        Side::Truth,
+    );
+    assert_eq!((far.set_aside, far.turns.as_ref().map(Vec::len)), (1, Some(1)));
+}
+
+#[test]
 fn csv_is_read_by_its_columns() {
     let truth = of("x_cam1_frames.csv", FRAMES, Side::Truth);
     let counts: Vec<usize> = truth.streams[0]

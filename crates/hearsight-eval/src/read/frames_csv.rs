@@ -4,7 +4,7 @@
 //! 288; anywhere else the rows are frozen. Every frame of the video has a row.
 
 use super::table::Rows;
-use super::{FormatInfo, ReadError, Source};
+use super::{FormatInfo, ReadError, Source, is_time};
 use crate::measure::Place;
 use crate::recording::{Observation, Recording, Scope, Stream};
 use crate::sequence::Sighting;
@@ -39,7 +39,7 @@ fn read(source: &Source<'_>) -> Result<Recording, ReadError> {
         if stream.newest().is_some_and(|newest| newest >= number) {
             return Err(row.invalid(frame, "frames must ascend; sort the rows"));
         }
-        stream.begin(number, Some(time_s).filter(|time_s| time_s.is_finite()));
+        stream.begin(number, Some(time_s).filter(|time_s| is_time(*time_s)));
         if row.optional(visible)?.is_some_and(|count| count <= 0.0) {
             continue;
         }

@@ -56,6 +56,11 @@ impl Source<'_> {
     }
 }
 
+/// Whether a number of seconds can be a time: within thirty years of the start, so that sums of times stay exact enough.
+pub(crate) fn is_time(seconds: f64) -> bool {
+    seconds.abs() <= 1e9
+}
+
 fn name_of(path: &Path) -> &str {
     path.file_name().and_then(|name| name.to_str()).unwrap_or("")
 }

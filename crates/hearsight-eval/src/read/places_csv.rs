@@ -5,7 +5,7 @@
 
 use super::table::Rows;
 use super::truth::few_enough;
-use super::{FormatInfo, ReadError, Source};
+use super::{FormatInfo, ReadError, Source, is_time};
 use crate::measure::Place;
 use crate::recording::{Names, Observation, Recording, Scope, Stream, TurnMaker};
 use crate::sequence::Sighting;
@@ -43,7 +43,7 @@ fn read(source: &Source<'_>) -> Result<Recording, ReadError> {
             [Some(x), Some(y), Some(z)] => Some(Place::World([x, y, z])),
             _ => None,
         };
-        if !time_s.is_finite() || place.is_some_and(|place| !place.is_finite()) {
+        if !is_time(time_s) || place.is_some_and(|place| !place.is_finite()) {
             set_aside += 1;
             continue;
         }

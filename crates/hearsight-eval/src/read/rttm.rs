@@ -3,7 +3,7 @@
 //! Other types of lines, and comments after `;;`, are passed over. All files and channels that a file speaks of are taken
 //! as one.
 
-use super::{FormatInfo, ReadError, Source};
+use super::{FormatInfo, ReadError, Source, is_time};
 use crate::recording::{Names, Recording};
 use crate::speech::Turn;
 
@@ -79,7 +79,7 @@ fn read(source: &Source<'_>) -> Result<Recording, ReadError> {
         };
         let (start_s, duration_s) = (number("start", start)?, number("duration", duration)?);
         let end_s = start_s + duration_s;
-        if !end_s.is_finite() {
+        if !(is_time(start_s) && is_time(end_s)) {
             set_aside += 1;
             continue;
         }

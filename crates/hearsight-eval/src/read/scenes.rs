@@ -3,7 +3,7 @@
 //! In pictures only tracks that are seen count, as in `.mot.txt`: scorers count what can be seen. In the world all do.
 
 use super::truth::{few_enough, lines, schema_fits, stream_of};
-use super::{FormatInfo, ReadError, Source};
+use super::{FormatInfo, ReadError, Source, is_time};
 use crate::measure::Place;
 use crate::recording::{Names, Observation, Recording, Scope, Stream, TurnMaker};
 use crate::sequence::Sighting;
@@ -29,8 +29,8 @@ fn read(source: &Source<'_>) -> Result<Recording, ReadError> {
         let (line, scene) = found?;
         schema_fits(source, line, &scene.schema, SCENE_SCHEMA_VERSION)?;
         let time_s = scene.time_s;
-        if !(time_s.is_finite() && time_s > latest_s) {
-            let cure = "times must ascend; leave out the line";
+        if !(is_time(time_s) && time_s > latest_s) {
+            let cure = "times must ascend and be within 1e9 s; leave out the line";
             return Err(ReadError::invalid(
                 source.path,
                 line,

@@ -3,7 +3,7 @@
 //! In pictures a person is their head box, in the world their mouth. How far a head can be seen decides who counts; in the
 //! world that is how far it can be seen by the camera that sees most of it.
 
-use super::{FormatInfo, ReadError, Source};
+use super::{FormatInfo, ReadError, Source, is_time};
 use crate::measure::Place;
 use crate::recording::{Names, Observation, Recording, Scope, Stream, TurnMaker};
 use crate::sequence::Sighting;
@@ -35,8 +35,8 @@ fn read(source: &Source<'_>) -> Result<Recording, ReadError> {
         let (line, record) = found?;
         schema_fits(source, line, &record.schema, TRUTH_SCHEMA_VERSION)?;
         let time_s = record.time_s;
-        if !(time_s.is_finite() && time_s > latest_s) {
-            let cure = "times must ascend; leave out the line";
+        if !(is_time(time_s) && time_s > latest_s) {
+            let cure = "times must ascend and be within 1e9 s; leave out the line";
             return Err(ReadError::invalid(
                 source.path,
                 line,
