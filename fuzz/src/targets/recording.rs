@@ -14,6 +14,10 @@ const SEEDS: &[&str] = &[
     include_str!("../../seeds/recording/speech.rttm"),
     include_str!("../../seeds/recording/frames.csv"),
     include_str!("../../seeds/recording/tracks.csv"),
+    // What went wrong once.
+    include_str!("../../seeds/went-wrong/recording/no-probability"),
+    include_str!("../../seeds/went-wrong/recording/time-of-1e308"),
+    include_str!("../../seeds/went-wrong/recording/turn-of-ages"),
 ];
 
 pub(super) const TARGET: Target = Target {
