@@ -66,7 +66,7 @@ fn read(given: &Value) -> Result<Parameters, SystemError> {
 
 fn build(given: &Value, room: &Room, seed: u64) -> Result<Box<dyn System>, SystemError> {
     let parameters = read(given)?;
-    limits::check(&serde_json::to_value(&parameters).map_err(wrong)?)?;
+    limits::RANGES.check(&serde_json::to_value(&parameters).map_err(wrong)?)?;
     Views::build(
         INFO.name,
         room,

@@ -148,61 +148,68 @@ pub(crate) const COMMON: &[Limit] = &[
     share("speaker.least"),
 ];
 
-/// Checks the numbers of parameters written as JSON, where one that is not finite is null, by the tables of a system.
-///
-/// # Errors
-/// [`SystemError::Range`] for the first that is out of its range.
-pub(crate) fn check(
-    system: &'static str,
-    tables: &[&[Limit]],
-    parameters: &Value,
-) -> Result<(), SystemError> {
-    check_part(system, tables, parameters, &mut String::new())
+/// The ranges of a system.
+pub(crate) struct Ranges {
+    /// Its name.
+    pub(crate) system: &'static str,
+    /// Its own table and those that it shares.
+    pub(crate) tables: &'static [&'static [Limit]],
+    /// Parameters that may be null.
+    pub(crate) optional: &'static [&'static str],
 }
 
-/// The range of a parameter.
-pub(crate) fn find<'a>(tables: &[&'a [Limit]], path: &str) -> Option<&'a Limit> {
-    tables
-        .iter()
-        .find_map(|table| table.iter().find(|(known, ..)| *known == path))
-}
+impl Ranges {
+    /// Checks the numbers of parameters written as JSON, where one that is not finite is null. Numbers of a list share the
+    /// range of the list.
+    ///
+    /// # Errors
+    /// [`SystemError::Range`] for the first that is out of its range.
+    pub(crate) fn check(&self, parameters: &Value) -> Result<(), SystemError> {
+        self.check_part(parameters, &mut String::new())
+    }
 
-fn check_part(
-    system: &'static str,
-    tables: &[&[Limit]],
-    value: &Value,
-    path: &mut String,
-) -> Result<(), SystemError> {
-    let found = match value {
-        Value::Object(table) => {
-            for (key, value) in table {
-                let length = path.len();
-                if !path.is_empty() {
-                    path.push('.');
+    fn find(&self, path: &str) -> Option<&Limit> {
+        let mut limits = self.tables.iter().copied().flatten();
+        limits.find(|(known, ..)| *known == path)
+    }
+
+    fn check_part(&self, value: &Value, path: &mut String) -> Result<(), SystemError> {
+        match value {
+            Value::Object(table) => {
+                for (key, value) in table {
+                    let length = path.len();
+                    if !path.is_empty() {
+                        path.push('.');
+                    }
+                    path.push_str(key);
+                    self.check_part(value, path)?;
+                    path.truncate(length);
                 }
-                path.push_str(key);
-                check_part(system, tables, value, path)?;
-                path.truncate(length);
+                Ok(())
             }
+            Value::Array(list) => list.iter().try_for_each(|value| self.check_part(value, path)),
+            Value::Null if self.optional.contains(&path.as_str()) => Ok(()),
+            Value::Null => self.check_number(f64::NAN, path),
+            Value::Number(number) => self.check_number(number.as_f64().unwrap_or(f64::NAN), path),
+            _ => Ok(()),
+        }
+    }
+
+    fn check_number(&self, found: f64, path: &str) -> Result<(), SystemError> {
+        let &(_, least, greatest) = self.find(path).unwrap_or(&("", f64::MIN, f64::MAX));
+        // Parameters of 32 bits are a little off the number that was written.
+        let slack = 1e-6 * least.abs().max(greatest.abs().min(1.0));
+        if found >= least - slack && found <= greatest + slack {
             return Ok(());
         }
-        Value::Null => f64::NAN,
-        Value::Number(number) => number.as_f64().unwrap_or(f64::NAN),
-        _ => return Ok(()),
-    };
-    let &(_, least, greatest) = find(tables, path).unwrap_or(&("", f64::MIN, f64::MAX));
-    // Parameters of 32 bits are a little off the number that was written.
-    let slack = 1e-6 * least.abs().max(greatest.abs().min(1.0));
-    if found >= least - slack && found <= greatest + slack {
-        return Ok(());
+        Err(SystemError::Range {
+            system: self.system,
+            parameter: path.to_owned(),
+            value: found,
+            least,
+            greatest,
+        })
     }
-    Err(SystemError::Range {
-        system,
-        parameter: path.clone(),
-        value: found,
-        least,
-        greatest,
-    })
 }
 
 /// Tests that every system runs on its tables.
@@ -219,32 +226,37 @@ pub(crate) mod testing {
                     walk(value, &format!("{path}{dot}{key}"), each);
                 }
             }
+            Value::Array(list) => list.iter().for_each(|value| walk(value, path, each)),
             Value::Number(number) => each(path, number.as_f64().unwrap()),
             _ => {}
         }
     }
 
-    /// Every number among the defaults has a range around it, and every range belongs to a number, but for those of
+    /// Every number among these parameters has a range around it, and every range belongs to a number, but for those of
     /// `choices`, which stand for one of several.
-    pub(crate) fn every_number_has_a_range(tables: &[&[Limit]], defaults: &Value, choices: &str) {
-        check("test", tables, defaults).unwrap();
+    pub(crate) fn every_number_has_a_range(ranges: &Ranges, parameters: &[Value], choices: Option<&str>) {
         let mut seen = Vec::new();
-        walk(defaults, "", &mut |path, value| {
-            let limit = find(tables, path);
-            let (_, least, greatest) = limit.unwrap_or_else(|| panic!("{path} has no range in its table"));
-            assert!(least < greatest && (least..=greatest).contains(&&value), "{path}");
-            seen.push(path.to_owned());
-        });
-        for (path, ..) in tables.iter().copied().flatten() {
+        for parameters in parameters {
+            ranges.check(parameters).unwrap();
+            walk(parameters, "", &mut |path, value| {
+                let limit = ranges.find(path);
+                let (_, least, greatest) =
+                    limit.unwrap_or_else(|| panic!("{path} has no range in its table"));
+                assert!(least < greatest && (least..=greatest).contains(&&value), "{path}");
+                seen.push(path.to_owned());
+            });
+        }
+        for (path, ..) in ranges.tables.iter().copied().flatten() {
+            let choice = choices.is_some_and(|choices| path.starts_with(choices));
             assert!(
-                path.starts_with(choices) || seen.iter().any(|known| known == path),
+                choice || seen.iter().any(|known| known == path),
                 "{path} is no parameter"
             );
         }
     }
 
-    pub(crate) fn each_end_is_allowed_and_nothing_beyond(tables: &[&[Limit]]) {
-        for (path, least, greatest) in tables.iter().copied().flatten() {
+    pub(crate) fn each_end_is_allowed_and_nothing_beyond(ranges: &Ranges) {
+        for (path, least, greatest) in ranges.tables.iter().copied().flatten() {
             for (value, holds) in [
                 (*least, true),
                 (*greatest, true),
@@ -254,9 +266,7 @@ pub(crate) mod testing {
                 let nested = path
                     .rsplit('.')
                     .fold(json!(value), |inner, key| json!({ key: inner }));
-                let error = check("test", tables, &nested)
-                    .err()
-                    .map(|error| error.to_string());
+                let error = ranges.check(&nested).err().map(|error| error.to_string());
                 assert_eq!(error.is_none(), holds, "{path} = {value}: {error:?}");
                 assert!(error.is_none_or(|error| error.contains(path)));
             }

@@ -47,7 +47,7 @@ fn build(parameters: &Value, room: &Room, seed: u64) -> Result<Box<dyn System>, 
     } else {
         Parameters::deserialize(parameters).map_err(wrong)?
     };
-    limits::check(&serde_json::to_value(&parameters).map_err(wrong)?)?;
+    limits::RANGES.check(&serde_json::to_value(&parameters).map_err(wrong)?)?;
     let (audio, warnings) = match parameters.modality {
         Modality::Video => (None, Vec::new()),
         Modality::AudioVisual | Modality::Audio => (Some(parameters.audio), unheard(room)),

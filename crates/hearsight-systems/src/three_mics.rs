@@ -146,7 +146,7 @@ fn build(parameters: &Value, room: &Room, seed: u64) -> Result<Box<dyn System>, 
     } else {
         Parameters::deserialize(parameters).map_err(wrong)?
     };
-    limits::check(&serde_json::to_value(&parameters).map_err(wrong)?)?;
+    limits::RANGES.check(&serde_json::to_value(&parameters).map_err(wrong)?)?;
     for (name, [low, high]) in [
         ("association.height_m", parameters.association.height_m),
         ("association.face_width_m", parameters.association.face_width_m),

@@ -1,9 +1,7 @@
 //! Ranges of the parameters that are the closed loop's own.
 
 use super::INFO;
-use crate::SystemError;
-use crate::limits::{COMMON, Limit, check as check_by, seconds, share};
-use serde_json::Value;
+use crate::limits::{COMMON, Limit, Ranges, seconds, share};
 
 const OWN: &[Limit] = &[
     share("fuser.shares.prior"),
@@ -58,13 +56,12 @@ const OWN: &[Limit] = &[
     ("faces.neighbours", 0.0, 1e6),
 ];
 
-/// Checks the numbers of parameters written as JSON, where one that is not finite is null.
-///
-/// # Errors
-/// [`SystemError::Range`] for the first that is out of its range.
-pub(super) fn check(parameters: &Value) -> Result<(), SystemError> {
-    check_by(INFO.name, &[OWN, COMMON], parameters)
-}
+/// The ranges of all parameters.
+pub(super) const RANGES: Ranges = Ranges {
+    system: INFO.name,
+    tables: &[OWN, COMMON],
+    optional: &[],
+};
 
 #[cfg(test)]
 mod tests {
@@ -75,11 +72,11 @@ mod tests {
     #[test]
     fn every_number_has_a_range_around_its_default() {
         let defaults = serde_json::to_value(Parameters::default()).unwrap();
-        testing::every_number_has_a_range(&[OWN, COMMON], &defaults, "audio.weighting.");
+        testing::every_number_has_a_range(&RANGES, &[defaults], Some("audio.weighting."));
     }
 
     #[test]
     fn each_end_is_allowed_and_nothing_beyond_it() {
-        testing::each_end_is_allowed_and_nothing_beyond(&[OWN, COMMON]);
+        testing::each_end_is_allowed_and_nothing_beyond(&RANGES);
     }
 }

@@ -1,9 +1,7 @@
 //! Ranges of the parameters that are stac's own.
 
 use super::INFO;
-use crate::SystemError;
-use crate::limits::{COMMON, Limit, check as check_by, share};
-use serde_json::Value;
+use crate::limits::{COMMON, Limit, Ranges, share};
 
 const OWN: &[Limit] = &[
     share("anywhere"),
@@ -29,13 +27,12 @@ const OWN: &[Limit] = &[
     ("sound.exponent", 0.0, 100.0),
 ];
 
-/// Checks the numbers of parameters written as JSON, where one that is not finite is null.
-///
-/// # Errors
-/// [`SystemError::Range`] for the first that is out of its range.
-pub(super) fn check(parameters: &Value) -> Result<(), SystemError> {
-    check_by(INFO.name, &[OWN, COMMON], parameters)
-}
+/// The ranges of all parameters.
+pub(super) const RANGES: Ranges = Ranges {
+    system: INFO.name,
+    tables: &[OWN, COMMON],
+    optional: &[],
+};
 
 #[cfg(test)]
 mod tests {
@@ -46,19 +43,21 @@ mod tests {
     #[test]
     fn every_number_has_a_range_around_its_default() {
         let defaults = serde_json::to_value(Parameters::default()).unwrap();
-        testing::every_number_has_a_range(&[OWN, COMMON], &defaults, "audio.weighting.");
+        testing::every_number_has_a_range(&RANGES, &[defaults], Some("audio.weighting."));
     }
 
     #[test]
     fn each_end_is_allowed_and_nothing_beyond_it() {
-        testing::each_end_is_allowed_and_nothing_beyond(&[OWN, COMMON]);
+        testing::each_end_is_allowed_and_nothing_beyond(&RANGES);
     }
 
     #[test]
     fn what_is_not_finite_is_named() {
         let mut parameters = Parameters::default();
         parameters.association.gate = f32::INFINITY;
-        let error = check(&serde_json::to_value(parameters).unwrap()).unwrap_err();
+        let error = RANGES
+            .check(&serde_json::to_value(parameters).unwrap())
+            .unwrap_err();
         assert!(
             error.to_string().contains("system.stac.association.gate"),
             "{error}"

@@ -1,13 +1,9 @@
-//! The range of every number among the parameters, checked before anything is built of them.
+//! Ranges of the parameters of three-mics.
 
 use super::INFO;
-use crate::SystemError;
-use serde_json::Value;
+use crate::limits::{Limit, Ranges};
 
-/// A parameter by its path, its least and its greatest value.
-type Limit = (&'static str, f64, f64);
-
-const LIMITS: &[Limit] = &[
+const OWN: &[Limit] = &[
     ("room.low_m", -1000.0, 1000.0),
     ("room.high_m", -1000.0, 1000.0),
     ("audio.frame_s", 0.01, 2.0),
@@ -84,78 +80,19 @@ const LIMITS: &[Limit] = &[
     ("place.independent_s", 0.001, 3600.0),
 ];
 
-/// Parameters that may be null.
-const OPTIONAL: &[&str] = &["room", "sound.height"];
-
-/// Checks the numbers of parameters written as JSON, where one that is not finite is null. Numbers of a list share the
-/// range of the list.
-///
-/// # Errors
-/// [`SystemError::Range`] for the first that is out of its range.
-pub(super) fn check(parameters: &Value) -> Result<(), SystemError> {
-    check_part(parameters, &mut String::new())
-}
-
-fn check_part(value: &Value, path: &mut String) -> Result<(), SystemError> {
-    match value {
-        Value::Object(table) => {
-            for (key, value) in table {
-                let length = path.len();
-                if !path.is_empty() {
-                    path.push('.');
-                }
-                path.push_str(key);
-                check_part(value, path)?;
-                path.truncate(length);
-            }
-            Ok(())
-        }
-        Value::Array(list) => list.iter().try_for_each(|value| check_part(value, path)),
-        Value::Null if OPTIONAL.contains(&path.as_str()) => Ok(()),
-        Value::Null => check_number(f64::NAN, path),
-        Value::Number(number) => check_number(number.as_f64().unwrap_or(f64::NAN), path),
-        _ => Ok(()),
-    }
-}
-
-fn check_number(value: f64, path: &str) -> Result<(), SystemError> {
-    let limit = LIMITS.iter().find(|(known, ..)| *known == path);
-    let &(_, least, greatest) = limit.unwrap_or(&("", f64::MIN, f64::MAX));
-    // Parameters of 32 bits are a little off the number that was written.
-    let slack = 1e-6 * least.abs().max(greatest.abs().min(1.0));
-    if value >= least - slack && value <= greatest + slack {
-        return Ok(());
-    }
-    Err(SystemError::Range {
-        system: INFO.name,
-        parameter: path.to_owned(),
-        value,
-        least,
-        greatest,
-    })
-}
+/// The ranges of all parameters.
+pub(super) const RANGES: Ranges = Ranges {
+    system: INFO.name,
+    tables: &[OWN],
+    optional: &["room", "sound.height"],
+};
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::limits::testing;
     use crate::three_mics::{Parameters, RoomBox};
     use hearsight_tracking::sound::External;
-    use serde_json::json;
-    use std::collections::BTreeSet;
-
-    fn walk(value: &Value, path: &str, each: &mut impl FnMut(&str, f64)) {
-        match value {
-            Value::Object(table) => {
-                for (key, value) in table {
-                    let dot = if path.is_empty() { "" } else { "." };
-                    walk(value, &format!("{path}{dot}{key}"), each);
-                }
-            }
-            Value::Array(list) => list.iter().for_each(|value| walk(value, path, each)),
-            Value::Number(number) => each(path, number.as_f64().unwrap()),
-            _ => {}
-        }
-    }
 
     #[test]
     fn every_number_has_a_range_around_its_default_and_every_range_a_number() {
@@ -166,45 +103,20 @@ mod tests {
             }),
             ..Parameters::default()
         };
-        let mut seen = BTreeSet::new();
         let filter = External::Filter {
             particles: 500,
             distance_m: 1.0,
             time_s: 1.0,
         };
-        for external in [External::default(), filter] {
+        let written = [External::default(), filter].map(|external| {
             full.sound.external = external;
-            let parameters = serde_json::to_value(&full).unwrap();
-            check(&parameters).unwrap();
-            walk(&parameters, "", &mut |path, value| {
-                let limit = LIMITS.iter().find(|(known, ..)| *known == path);
-                let (_, least, greatest) =
-                    limit.unwrap_or_else(|| panic!("{path} has no range in this table"));
-                assert!(least < greatest && (least..=greatest).contains(&&value), "{path}");
-                seen.insert(path.to_owned());
-            });
-        }
-        for (path, ..) in LIMITS {
-            assert!(seen.contains(*path), "{path} is no parameter");
-        }
+            serde_json::to_value(&full).unwrap()
+        });
+        testing::every_number_has_a_range(&RANGES, &written, None);
     }
 
     #[test]
-    fn nothing_beyond_an_end_is_allowed() {
-        for (path, least, greatest) in LIMITS {
-            for (value, holds) in [
-                (*least, true),
-                (*greatest, true),
-                (least - 0.1 - 0.1 * least.abs(), false),
-                (greatest + 0.1 + 0.1 * greatest.abs(), false),
-            ] {
-                let nested = path
-                    .rsplit('.')
-                    .fold(json!(value), |inner, key| json!({ key: inner }));
-                let error = check(&nested).err().map(|error| error.to_string());
-                assert_eq!(error.is_none(), holds, "{path} = {value}: {error:?}");
-                assert!(error.is_none_or(|error| error.contains(path)));
-            }
-        }
+    fn each_end_is_allowed_and_nothing_beyond_it() {
+        testing::each_end_is_allowed_and_nothing_beyond(&RANGES);
     }
 }
