@@ -261,7 +261,7 @@ pub(crate) fn describe(simulation: &Simulation, directory: &Path, elapsed_s: f64
         .utterances()
         .iter()
         .map(|utterance| utterance.until_s - utterance.from_s)
-        .sum();
+        .fold(0.0, |sum, length| sum + length);
     say::line(format_args!(
         "{} people, {} cameras, {} arrays; {talk:.1} s of speech; written to {}",
         world.people.len(),

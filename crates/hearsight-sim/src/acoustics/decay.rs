@@ -12,6 +12,8 @@ use std::f64::consts::{PI, TAU};
 const DIRECTIONS: usize = 1500;
 /// Instants at which the decay is computed, evenly up to the time of -60 dB that a wall's absorption lets expect.
 const INSTANTS: usize = 160;
+/// How often the time over which the decay is computed may be doubled before there is none.
+const LONGEST_DOUBLINGS: u32 = 10;
 /// Walls that absorb more than this leave no decay to speak of.
 pub(crate) const MOST_ABSORBED: f64 = 0.99;
 /// Walls that absorb less than this reverberate longer than any room.
@@ -82,18 +84,21 @@ pub(crate) fn time_of_box_s(size_m: [f64; 3], log_reflection: [f64; 3], speed_m_
     if !(mean > 0.0 && mean.is_finite()) {
         return None;
     }
-    // Sixty decibels at the mean loss, and more for the directions that outlive it.
-    let step_s = 2.0 * 6.0 * std::f64::consts::LN_10 / mean / INSTANTS as f64;
-    let mut left: Vec<f64> = losses.iter().map(|loss| 1.0 / loss).collect();
-    let factors: Vec<f64> = losses.iter().map(|loss| (-loss * step_s).exp()).collect();
-    let mut decay = Vec::with_capacity(INSTANTS);
-    for _ in 0..INSTANTS {
-        decay.push(left.iter().sum());
-        for (left, factor) in left.iter_mut().zip(&factors) {
-            *left *= factor;
+    // Sixty decibels at the mean loss, and more for the directions that outlive it: twice as long, and in flat rooms
+    // as much longer as it takes.
+    (1..=LONGEST_DOUBLINGS).find_map(|doublings| {
+        let step_s = f64::from(1_u32 << doublings) * 6.0 * std::f64::consts::LN_10 / mean / INSTANTS as f64;
+        let mut left: Vec<f64> = losses.iter().map(|loss| 1.0 / loss).collect();
+        let factors: Vec<f64> = losses.iter().map(|loss| (-loss * step_s).exp()).collect();
+        let mut decay = Vec::with_capacity(INSTANTS);
+        for _ in 0..INSTANTS {
+            decay.push(left.iter().sum());
+            for (left, factor) in left.iter_mut().zip(&factors) {
+                *left *= factor;
+            }
         }
-    }
-    fit(&decay, step_s)
+        fit(&decay, step_s)
+    })
 }
 
 /// The absorption (share of the energy, the same for all walls) with which a box has this reverberation time.

@@ -17,6 +17,8 @@ struct Solid {
     half: Vector3<f32>,
     /// Cosine and sine of its turn.
     turn: (f32, f32),
+    /// Radius of a ball around the centre that holds all of it, metres.
+    radius: f32,
     material: Material,
 }
 
@@ -56,6 +58,8 @@ impl Stage {
                 centre,
                 half,
                 turn: (block.yaw_rad.cos() as f32, block.yaw_rad.sin() as f32),
+                // More than the half diagonal by what rounding may lose.
+                radius: 1.001 * half.norm() + 0.005,
                 material: block.material,
             })
         });
@@ -143,7 +147,17 @@ impl Stage {
 }
 
 impl Solid {
+    /// Where a ray of unit direction enters, before a distance.
     fn hit(&self, origin: Vector3<f32>, direction: Vector3<f32>, before: f32) -> Option<Hit<'_>> {
+        let offset = self.centre - origin;
+        let along = offset.dot(&direction);
+        // Most rays pass far from most furniture.
+        if along < -self.radius
+            || along - self.radius > before
+            || offset.norm_squared() - along * along > self.radius * self.radius
+        {
+            return None;
+        }
         let (cosine, sine) = self.turn;
         let inwards =
             |v: Vector3<f32>| Vector3::new(cosine * v.x + sine * v.y, cosine * v.y - sine * v.x, v.z);

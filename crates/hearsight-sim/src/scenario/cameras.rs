@@ -9,6 +9,9 @@ use hearsight_core::command::DeviceCommand;
 use hearsight_core::configuration::{ConfigurationError, Field};
 use std::f64::consts::TAU;
 
+/// Pixels of a picture; the lossless codec takes no more.
+const MOST_PIXELS: usize = 1 << 24;
+
 impl Resolver {
     pub(super) fn cameras(
         &self,
@@ -40,12 +43,13 @@ impl Resolver {
         surroundings: &Surroundings,
     ) -> Result<CameraDevice, ConfigurationError> {
         let [width, height] = raw.size.unwrap_or([640, 480]);
-        if !(8..=8192).contains(&width) || !(8..=8192).contains(&height) {
+        let sides = [width, height];
+        if !sides.iter().all(|side| (8..=8192).contains(side)) || width * height > MOST_PIXELS {
             let what = format!("{width} x {height} pixels is no picture");
             return Err(self.wrong(
                 &field.key("size"),
                 what,
-                "give 8 to 8192 pixels each way, such as [640, 480]",
+                "give 8 to 8192 pixels each way, and 16 million in all at most, such as [640, 480]",
             ));
         }
         let rate_hz = self.number(

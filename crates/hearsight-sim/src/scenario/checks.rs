@@ -2,7 +2,7 @@
 
 use super::resolve::Resolver;
 use super::surroundings::{Footprint, Surroundings};
-use crate::world::{Person, World};
+use crate::world::{CameraDevice, Person, World};
 use hearsight_core::WorldPoint;
 use hearsight_core::configuration::{ConfigurationError, Field};
 use nalgebra::Point2;
@@ -11,6 +11,8 @@ use nalgebra::Point2;
 const STEP_S: f64 = 0.1;
 /// What somebody steps over, metres.
 const STEP_OVER_M: f64 = 0.15;
+/// From the middle of a head to above its crown, metres.
+const ABOVE_HEAD_M: f64 = 0.15;
 /// Elbows and coats give way: bodies count as so much thinner.
 const GIVES_WAY: f64 = 0.8;
 
@@ -23,6 +25,8 @@ impl Resolver {
         for (number, person) in world.people.iter().enumerate() {
             self.check_person(number, person, surroundings)?;
         }
+        self.check_company(world)?;
+        self.check_cameras(world)?;
         let Ok(controls) = world.controls() else {
             return Ok(());
         };
@@ -120,6 +124,90 @@ impl Resolver {
                     person.name, piece.name, place.x, place.y
                 );
                 return Err(self.wrong(&field, what, "walk around it, or move it"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether nobody stops where somebody else rests. Those who walk may brush by each other.
+    fn check_company(&self, world: &World) -> Result<(), ConfigurationError> {
+        let ends = world.people.iter().map(|person| person.motion.end_s());
+        // Who arrives last has stopped two steps later.
+        let until = (ends.fold(0.0, f64::max) + 2.0 * STEP_S).min(self.seconds);
+        let mut places: Vec<Option<Point2<f64>>> = vec![None; world.people.len()];
+        let mut rests = vec![false; world.people.len()];
+        for step in 0..=(until / STEP_S).ceil() as usize {
+            let time_s = (step as f64 * STEP_S).min(until);
+            let mut stopped = Vec::new();
+            for (number, person) in world.people.iter().enumerate() {
+                let stance = person.motion.stance(time_s);
+                let place = stance.present.then_some(stance.place);
+                let resting = place.is_some_and(|place| {
+                    step == 0 || places[number].is_some_and(|before| (before - place).norm() < 1e-6)
+                });
+                if resting && !rests[number] {
+                    stopped.push(number);
+                }
+                (places[number], rests[number]) = (place, resting);
+            }
+            for number in stopped {
+                let (Some(place), person) = (places[number], &world.people[number]) else {
+                    continue;
+                };
+                let there = (0..world.people.len()).find(|&other| {
+                    let apart =
+                        0.5 * GIVES_WAY * (person.figure.radius_m + world.people[other].figure.radius_m);
+                    other != number
+                        && rests[other]
+                        && places[other].is_some_and(|other| (other - place).norm() < apart)
+                });
+                if let Some(other) = there {
+                    let later = number.max(other);
+                    let what = format!(
+                        "`{}` is where `{}` is at {time_s:.1} s, at ({:.2}, {:.2})",
+                        world.people[later].name,
+                        world.people[number.min(other)].name,
+                        place.x,
+                        place.y
+                    );
+                    return Err(self.wrong(
+                        &self.entry_at(later, time_s),
+                        what,
+                        "leave each a place of their own",
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether no camera that rests is in somebody's head or body.
+    fn check_cameras(&self, world: &World) -> Result<(), ConfigurationError> {
+        let fixed: Vec<_> = world
+            .cameras
+            .iter()
+            .filter(|camera| camera.mount.base.is_none())
+            .collect();
+        for (number, person) in world.people.iter().enumerate() {
+            let until = person.motion.end_s().max(0.0).min(self.seconds);
+            for step in 0..=(until / STEP_S).ceil() as usize {
+                let time_s = (step as f64 * STEP_S).min(until);
+                let stance = person.motion.stance(time_s);
+                let within = |camera: &&&CameraDevice| {
+                    let place = camera.mount.position.0;
+                    (place.xy() - stance.place).norm() < GIVES_WAY * person.figure.radius_m
+                        && world
+                            .head_anchor(number, time_s)
+                            .is_some_and(|head| place.z < head.0.z + ABOVE_HEAD_M)
+                };
+                if let Some(camera) = fixed.iter().find(within) {
+                    let what = format!(
+                        "`{}` is where the camera `{}` is at {time_s:.1} s, at ({:.2}, {:.2})",
+                        person.name, camera.name, stance.place.x, stance.place.y
+                    );
+                    let cure = "keep people from cameras, or put the camera above their heads";
+                    return Err(self.wrong(&self.entry_at(number, time_s), what, cure));
+                }
             }
         }
         Ok(())

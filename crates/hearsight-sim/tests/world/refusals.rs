@@ -258,3 +258,41 @@ fn damaged_text_is_refused_and_never_panics() {
         let _ = hearsight_sim::scenario::from_text("scene.toml", &damaged, &none);
     }
 }
+
+#[test]
+fn people_and_cameras_that_share_a_place() {
+    refused(
+        &person("[[person]]\nname = \"bob\"\nat = [1.05, 1]\n"),
+        &["person[1].at", "`bob` is where `anna` is"],
+    );
+    let comes =
+        person("[[person]]\nname = \"bob\"\nat = [4, 1]\n[[person.action]]\ntime = 1\nwalk = [[1, 1]]\n");
+    refused(
+        &comes,
+        &[
+            "person[1].action[0]",
+            "`bob` is where `anna` is",
+            "a place of their own",
+        ],
+    );
+    // Walking by is no fault, nor is a neighbour.
+    let passes = person(
+        "[[person]]\nname = \"bob\"\nat = [4, 1]\n[[person.action]]\ntime = 1\nwalk = [[1, 1], [0.5, 3]]\n\
+         [[person]]\nname = \"cleo\"\nat = [1.6, 1]\n",
+    );
+    assert_eq!(world(&passes).people.len(), 3);
+    let camera = |height: &str| person(&format!("[[camera]]\nname = \"desk\"\nat = [1, 1, {height}]\n"));
+    refused(
+        &camera("1.2"),
+        &["person[0].at", "`anna` is where the camera `desk` is"],
+    );
+    assert_eq!(world(&camera("2.4")).cameras.len(), 1);
+}
+
+#[test]
+fn pictures_that_no_codec_takes() {
+    let camera = |size: &str| format!("[[camera]]\nat = [1, 1, 1]\nlook_at = [2, 2, 1]\nsize = {size}\n");
+    refused(&camera("[8192, 8192]"), &["camera[0].size", "16 million"]);
+    refused(&camera("[640, 0]"), &["camera[0].size", "is no picture"]);
+    assert_eq!(world(&camera("[4096, 4096]")).cameras[0].width, 4096);
+}
