@@ -105,6 +105,27 @@ impl NoiseFloor {
         Self::new(settings, interval_s, bins, window_energy, 2.0)
     }
 
+    /// A tracker of the mean power |X|² of each of `bands` bands of frequencies, one spectrum each `interval_s` seconds; the
+    /// narrowest band has `independent` bins that do not depend on each other, and `window_energy` is that of the analyzer.
+    ///
+    /// # Errors
+    /// [`AudioError::Setting`] where a setting is out of its range.
+    pub fn of_bands(
+        settings: &NoiseSettings,
+        interval_s: f64,
+        bands: usize,
+        window_energy: f32,
+        independent: f64,
+    ) -> Result<Self, AudioError> {
+        Self::new(
+            settings,
+            interval_s,
+            bands,
+            window_energy,
+            (2.0 * independent).max(2.0),
+        )
+    }
+
     fn new(
         settings: &NoiseSettings,
         interval_s: f64,

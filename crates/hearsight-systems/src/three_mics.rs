@@ -23,7 +23,9 @@ use hearsight_tracking::face::{FaceBelief, FaceState, FaceTracker};
 use hearsight_tracking::percepts::{
     FaceWindowPercepts, FaceWindowState, HeardFrame, SteeredPercepts, SteeredState,
 };
-use hearsight_tracking::sight_and_sound::{Activity, Heard, Place, SightLine, Verdict, associate};
+use hearsight_tracking::sight_and_sound::{
+    Activity, Heard, Place, SightLine, Verdict, associate, log_likelihood_at,
+};
 use hearsight_tracking::sound::{Bounds, PointEstimate, SoundBelief, SoundTracker};
 use hearsight_tracking::system::{StateError, System};
 use hearsight_tracking::tracker::MOST_NUMBERED;
@@ -94,6 +96,8 @@ pub struct ThreeMics {
     last: Option<Instant>,
     sights: Vec<Sight>,
     matches: Vec<(u64, f64)>,
+    /// By how much each face explains the newest frame worse than the best place of the room.
+    fits: Vec<(u64, f64)>,
     /// Where the sound of the newest frame and each face that survives with it meet.
     meetings: Vec<(u64, PointEstimate)>,
     fused: Duration,
@@ -187,6 +191,7 @@ fn build(parameters: &Value, room: &Room, seed: u64) -> Result<Box<dyn System>, 
         last: None,
         sights: Vec::new(),
         matches: Vec::new(),
+        fits: Vec::new(),
         meetings: Vec::new(),
         fused: Duration::ZERO,
         parameters,
@@ -388,9 +393,20 @@ impl ThreeMics {
                             .push((sight.identity, PointEstimate { mean, covariance }));
                     }
                 }
-                let heard_now = match heard {
-                    Some(_) => Heard::Sound(&self.matches),
-                    None => Heard::Silence,
+                let heard_now = if self.parameters.beyond.at_faces {
+                    self.fits.clear();
+                    if let Some(best) = sound.best(response).filter(|_| followed) {
+                        for Sight { identity, line } in &self.sights {
+                            let place = self.places.iter().find(|place| place.identity == *identity);
+                            let below = log_likelihood_at(line, place, response) - best;
+                            self.fits.push((*identity, f64::from(below.min(0.0))));
+                        }
+                    }
+                    Heard::Frame(frame.voice.into(), &self.fits)
+                } else if heard.is_some() {
+                    Heard::Sound(&self.matches)
+                } else {
+                    Heard::Silence
                 };
                 self.activity.hear(heard_now, elapsed, &self.parameters.activity);
                 let speaker = self.activity.speaking(&self.parameters.activity);

@@ -143,7 +143,7 @@ fn paper() -> Value {
         },
         "vision": { "smallest_px": 40, "largest_px": 120 },
         "association": { "weighted": false, "residual_m": 0.6, "height_m": [0.7, 2.1], "face_width_m": [0.141, 0.24] },
-        "beyond": { "voice_gate": false, "face_range": false },
+        "beyond": { "voice_gate": false, "face_range": false, "at_faces": false },
     })
 }
 

@@ -19,6 +19,7 @@ const OWN: &[Limit] = &[
     ("audio.noise.first_power", 1e-12, 1.0),
     ("audio.noise.rise_db_s", 0.01, 1000.0),
     ("audio.gate_db", -100.0, 100.0),
+    ("audio.voice_hz", 0.0, 1e6),
     ("audio.activity.on_db", -100.0, 200.0),
     ("audio.activity.off_db", -100.0, 200.0),
     ("audio.activity.hangover_s", 0.0, 3600.0),

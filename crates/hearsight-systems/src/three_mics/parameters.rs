@@ -56,6 +56,9 @@ pub struct Beyond {
     pub voice_gate: bool,
     /// Whether the width of a face says how far it is, and not only whether it can be one. Default true.
     pub face_range: bool,
+    /// Whether frames of sound are asked how well they fit where the faces are, and who speaks is decided by that and by
+    /// the energy of voice. Default true; false decides by the association of the followed sound, as in the paper.
+    pub at_faces: bool,
 }
 
 impl Default for Beyond {
@@ -63,6 +66,7 @@ impl Default for Beyond {
         Self {
             voice_gate: true,
             face_range: true,
+            at_faces: true,
         }
     }
 }

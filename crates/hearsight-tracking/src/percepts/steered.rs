@@ -5,13 +5,14 @@
 use hearsight_audio::AudioError;
 use hearsight_audio::activity::{ActivityDetector, ActivitySettings};
 use hearsight_audio::frames::{FrameSettings, Framer};
-use hearsight_audio::noise::{NoiseFloor, NoiseSettings, mean_square};
-use hearsight_audio::spectrum::{Spectra, SpectrumAnalyzer, Window, transform_length};
+use hearsight_audio::noise::{NoiseFloor, NoiseSettings};
+use hearsight_audio::spectrum::{Spectra, SpectrumAnalyzer, Window, bin_range, transform_length};
 use hearsight_audio::steered_response::{SteeredResponse, SteeredSettings};
 use hearsight_core::microphones::MicrophoneArray;
 use hearsight_core::room::ArraySensor;
 use hearsight_core::{AudioBlock, Instant};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// How an array is listened to.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,12 +24,16 @@ pub struct SteeredArraySettings {
     pub hop_s: f64,
     /// How frames become scores of points.
     pub response: SteeredSettings,
-    /// How the noise floor is followed.
+    /// How the noise floor is followed. Default as elsewhere, but over 8 s, and smoothed over 0.1 s: in a room with
+    /// reverberation a talker leaves few gaps.
     pub noise: NoiseSettings,
     /// How many decibels above the noise floor a frequency must be to count; -100 counts all. Default 3. The phase transform
     /// makes all frequencies equal, so that a fan beside the array is else louder than a voice in the room.
     pub gate_db: f32,
-    /// When sound counts as voice.
+    /// Where voice is told from noise, lowest and highest frequency, hertz. Default 300 to 6000; machines hum below.
+    pub voice_hz: [f64; 2],
+    /// When sound counts as voice, by the mean in decibels over 12 bands of equal ratio between these frequencies, each
+    /// above its own noise floor. Default on at 4 dB, off at 3 dB: such a mean hardly scatters.
     pub activity: ActivitySettings,
 }
 
@@ -38,18 +43,33 @@ impl Default for SteeredArraySettings {
             frame_s: 0.27,
             hop_s: 0.08,
             response: SteeredSettings::default(),
-            noise: NoiseSettings::default(),
+            noise: NoiseSettings {
+                smoothing_s: 0.1,
+                window_s: 8.0,
+                ..NoiseSettings::default()
+            },
             gate_db: 3.0,
-            activity: ActivitySettings::default(),
+            voice_hz: [300.0, 6000.0],
+            activity: ActivitySettings {
+                on_db: 4.0,
+                off_db: 3.0,
+                hangover_s: 0.1,
+                slope: 1.0,
+                limit: 3.0,
+                ..ActivitySettings::default()
+            },
         }
     }
 }
+
+/// Bands in which voice is told from noise.
+const BANDS: usize = 12;
 
 /// What is remembered from frame to frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SteeredState {
     framer: Framer,
-    level: NoiseFloor,
+    bands: NoiseFloor,
     spectrum: NoiseFloor,
     activity: ActivityDetector,
 }
@@ -61,7 +81,9 @@ pub struct HeardFrame {
     pub time: Instant,
     /// Whether there is a voice, as far as energy tells.
     pub active: bool,
-    /// Signal to noise ratio of the mean of all channels, decibels.
+    /// Logarithm of the likelihood ratio of voice and none, as far as energy tells.
+    pub voice: f32,
+    /// Mean over the bands of voice of the power over that of the noise, all channels together, decibels.
     pub signal_to_noise_db: f32,
 }
 
@@ -73,6 +95,9 @@ pub struct SteeredPercepts {
     response: SteeredResponse,
     /// Least power over that of the noise at which a frequency counts.
     gate: f32,
+    /// Bins of the bands of voice, and their mean powers.
+    bands: [Range<usize>; BANDS],
+    band_powers: [f32; BANDS],
     power: Vec<f32>,
     ignored: u64,
 }
@@ -121,6 +146,17 @@ impl SteeredPercepts {
         }
         let transform = transform_length(frames.length, microphones.max_delay_s(), array.rate_hz);
         let analyzer = SpectrumAnalyzer::new(frames.length, transform, Window::Hann)?;
+        let bands = bands(settings.voice_hz, array.rate_hz, transform)?;
+        let narrowest = bands.iter().map(Range::len).min().unwrap_or(0) as f64;
+        // Zeros that fill the transform add no knowledge, and the window makes neighbours alike.
+        let independent = narrowest * frames.length as f64 / transform as f64 / 1.5;
+        let floors = NoiseFloor::of_bands(
+            &settings.noise,
+            frames.hop_s(),
+            BANDS,
+            analyzer.window_energy(),
+            independent,
+        )?;
         let noise_of_bins = NoiseFloor::of_spectra(
             &settings.noise,
             frames.hop_s(),
@@ -129,13 +165,15 @@ impl SteeredPercepts {
         )?;
         Ok(Self {
             gate: 10.0_f32.powf(settings.gate_db / 10.0),
+            bands,
+            band_powers: [0.0; BANDS],
             power: vec![0.0; analyzer.bins()],
             analyzer,
             spectra: Spectra::default(),
             response: SteeredResponse::new(&microphones, transform, array.rate_hz, settings.response)?,
             state: SteeredState {
+                bands: floors,
                 spectrum: noise_of_bins,
-                level: NoiseFloor::of_frames(&settings.noise, frames.hop_s(), frames.length)?,
                 activity: ActivityDetector::new(settings.activity)?,
                 framer: Framer::new(frames)?,
             },
@@ -154,7 +192,7 @@ impl SteeredPercepts {
     /// [`AudioError`] where they could not.
     pub fn check_state(&self, state: &SteeredState) -> Result<(), AudioError> {
         self.state.framer.check_saved(&state.framer)?;
-        self.state.level.check_saved(&state.level)?;
+        self.state.bands.check_saved(&state.bands)?;
         self.state.spectrum.check_saved(&state.spectrum)?;
         self.state.activity.check_saved(&state.activity)
     }
@@ -178,39 +216,44 @@ impl SteeredPercepts {
         let Some(block) = block else { return };
         let SteeredState {
             framer,
-            level,
+            bands: floors,
             spectrum,
             activity,
         } = &mut self.state;
         let hop_s = framer.settings().hop_s();
         let (analyzer, spectra, response) = (&mut self.analyzer, &mut self.spectra, &mut self.response);
         let (gate, powers_of_bins) = (self.gate, &mut self.power);
+        let (bands, powers) = (&self.bands, &mut self.band_powers);
         let mut failed = 0;
         let pushed = framer.push(block, |frame| {
-            let powers: f32 = frame.channels.iter().map(|channel| mean_square(channel)).sum();
-            let power = powers / frame.channels.len().max(1) as f32;
-            let signal_to_noise_db = level.snr_db(power);
-            if frame.filled == 0 && level.observe(&[power]).is_err() {
-                failed += 1;
-            }
-            let active = activity.observe(signal_to_noise_db, hop_s).active;
             let observed = analyzer.transform_all(frame.channels, spectra).and_then(|()| {
                 mean_power(spectra, powers_of_bins);
+                for (power, band) in powers.iter_mut().zip(bands) {
+                    let sum: f32 = powers_of_bins[band.clone()].iter().sum();
+                    *power = sum / band.len() as f32;
+                }
                 if frame.filled == 0 {
                     spectrum.observe(powers_of_bins)?;
+                    floors.observe(powers)?;
                 }
+                let ratio_db = mean_ratio_db(powers, floors.power());
                 leave_out_noise(spectra, powers_of_bins, spectrum.power(), gate);
-                response.observe(&spectra.channels)
+                response.observe(&spectra.channels)?;
+                Ok(ratio_db)
             });
             match observed {
-                Ok(()) => each(
-                    response,
-                    HeardFrame {
-                        time: frame.middle(),
-                        active,
-                        signal_to_noise_db,
-                    },
-                ),
+                Ok(signal_to_noise_db) => {
+                    let heard = activity.observe(signal_to_noise_db, hop_s);
+                    each(
+                        response,
+                        HeardFrame {
+                            time: frame.middle(),
+                            active: heard.active,
+                            voice: heard.log_ratio,
+                            signal_to_noise_db,
+                        },
+                    );
+                }
                 Err(_) => failed += 1,
             }
         });
@@ -232,6 +275,38 @@ fn mean_power(spectra: &Spectra, powers: &mut [f32]) {
             *power += share * value.norm_sqr();
         }
     }
+}
+
+/// Bins of bands of equal ratio.
+fn bands(
+    [low_hz, high_hz]: [f64; 2],
+    rate_hz: u32,
+    transform: usize,
+) -> Result<[Range<usize>; BANDS], AudioError> {
+    let wrong = AudioError::Setting {
+        name: "voice_hz",
+        rule: "two frequencies above 0 and far enough apart, the lower one first, below half the rate",
+        value: low_hz,
+    };
+    if !(low_hz > 0.0 && low_hz < high_hz && high_hz.is_finite()) {
+        return Err(wrong);
+    }
+    let high_hz = high_hz.min(0.46 * f64::from(rate_hz));
+    let edge = |number: usize| low_hz * (high_hz / low_hz).powf(number as f64 / BANDS as f64);
+    let bands = std::array::from_fn(|number| bin_range(edge(number), edge(number + 1), rate_hz, transform));
+    if bands.iter().any(Range::is_empty) {
+        return Err(wrong);
+    }
+    Ok(bands)
+}
+
+/// The mean over bands of the power over that of the noise, decibels, each and all within -100 and 100.
+fn mean_ratio_db(powers: &[f32], noise: &[f32]) -> f32 {
+    let ratios = powers.iter().zip(noise).map(|(power, noise)| {
+        let ratio = power.max(f32::MIN_POSITIVE) / noise.max(f32::MIN_POSITIVE);
+        (10.0 * ratio.log10()).clamp(-100.0, 100.0)
+    });
+    ratios.sum::<f32>() / powers.len().max(1) as f32
 }
 
 /// Sets the bins to nothing that are not so many times as strong as the noise.

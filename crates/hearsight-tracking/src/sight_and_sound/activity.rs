@@ -49,6 +49,9 @@ pub enum Heard<'a> {
     Silence,
     /// Something sounds: for each face that survives its identity and strain, 0 to 1.
     Sound(&'a [(u64, f64)]),
+    /// The frame itself: the log-likelihood ratio of voice and none, and for each face by how much its log-likelihood is
+    /// below that of the best place in the room, 0 or less.
+    Frame(f64, &'a [(u64, f64)]),
 }
 
 /// Probabilities of speaking, saved from frame to frame.
@@ -125,6 +128,14 @@ impl Activity {
             *probability = stay * *probability + (1.0 - stay) * each;
             let ratio = match heard {
                 Heard::Silence => settings.silence,
+                // A face speaks where there is voice, and it comes from there: either alone is not enough.
+                Heard::Frame(voice, fits) => fits
+                    .iter()
+                    .find(|(face, _)| face == identity)
+                    .map_or(settings.apart, |(_, below)| {
+                        (settings.fit + below).max(settings.apart)
+                    })
+                    .min(voice),
                 Heard::Sound(matches) => matches
                     .iter()
                     .find(|(face, _)| face == identity)

@@ -101,6 +101,14 @@ impl Outsider {
         })
     }
 
+    /// The best place of the newest frame, of a grid.
+    pub(super) fn best(&self) -> Option<WorldPoint> {
+        match self {
+            Self::Grid(_, point) => Some(*point),
+            Self::Off | Self::Filter(..) => None,
+        }
+    }
+
     /// Looks at a frame anew; `own` is the filter's estimate.
     pub(super) fn look(
         &mut self,

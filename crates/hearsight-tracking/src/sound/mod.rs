@@ -243,6 +243,17 @@ impl SoundTracker {
         self.belief.estimate
     }
 
+    /// The log-likelihood of the best place in the room for the newest frame, as far as the external's grid found it;
+    /// where there is no grid, of the estimate.
+    pub fn best(&self, response: &mut SteeredResponse) -> Option<f32> {
+        let point = self
+            .outsider
+            .best()
+            .or(self.belief.estimate.map(|own| own.mean))?;
+        let score = response.score(point);
+        Some(response.log_likelihood(score))
+    }
+
     /// How often the external has taken over.
     pub fn takeovers(&self) -> u64 {
         self.belief.takeovers
