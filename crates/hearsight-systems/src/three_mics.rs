@@ -523,7 +523,7 @@ impl System for ThreeMics {
 
     fn save(&self) -> Result<Vec<u8>, StateError> {
         let view = |view: &View| SavedView {
-            windows: view.windows.state(),
+            windows: view.windows.state().clone(),
             faces: view.faces.state().clone(),
             frame: view.frame,
             last: view.last,

@@ -43,6 +43,7 @@ const OWN: &[Limit] = &[
     ("vision.smallest_px", 8.0, 10_000.0),
     ("vision.largest_px", 0.0, 10_000.0),
     ("vision.full_search_s", 0.001, 3600.0),
+    ("vision.change", 0.0, 255.0),
     ("vision.margin", 0.0, 10.0),
     ("vision.sizes", 0.1, 10.0),
     ("vision.scale_step", 1.01, 4.0),

@@ -22,9 +22,12 @@ pub struct FaceWindowSettings {
     pub smallest_px: u32,
     /// Largest face, pixels; 0 is half the picture's height. Default 0.
     pub largest_px: u32,
-    /// Time over which the whole picture is searched once, seconds, above 0. Default 1. Raising it finds new faces later
-    /// and is faster.
+    /// Time over which the whole picture is searched once, seconds, above 0. Default 5; the first time takes a fifth of it.
+    /// Raising it finds new faces later and is faster.
     pub full_search_s: f64,
+    /// By how much the mean of 8 x 8 pixels must have changed for a part of the picture to be searched again before its
+    /// fifth turn, codes of 0 to 255, 0 or more; 0 searches always. Default 3: where nothing stirs there is nobody new.
+    pub change: f32,
     /// How far around a known face windows are sought, face widths. Default 0.8.
     pub margin: f32,
     /// Smallest and largest window around a known face, as shares of its width. Default 0.7 and 1.4.
@@ -42,7 +45,8 @@ impl Default for FaceWindowSettings {
             }],
             smallest_px: 24,
             largest_px: 0,
-            full_search_s: 1.0,
+            full_search_s: 5.0,
+            change: 3.0,
             margin: 0.8,
             sizes: (0.7, 1.4),
             scale_step: 1.1,
@@ -62,12 +66,23 @@ pub struct FaceWindow {
 }
 
 /// What is remembered from picture to picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FaceWindowState {
     /// The slice that comes next.
     slice: usize,
     /// Slices that should have been searched by now.
     owed: f64,
+    /// What each slice showed when it was searched last; none for those that were not yet.
+    shown: Vec<Shown>,
+}
+
+/// What a part of the picture showed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Shown {
+    /// Means of its blocks, row by row.
+    means: Vec<u8>,
+    /// How often its turn has passed since, because nothing had changed.
+    passed: u8,
 }
 
 /// A tile of the picture in an octave of sizes.
@@ -86,9 +101,16 @@ pub struct FaceWindowPercepts {
     size: (usize, usize),
     state: FaceWindowState,
     part: Vec<u8>,
+    means: Vec<u8>,
     windows: Vec<FaceWindow>,
 }
 
+/// Side of a block whose mean is compared, pixels.
+const BLOCK: usize = 8;
+/// A part of the picture in which nothing changes is searched every so many turns.
+const MOST_PASSED: u8 = 4;
+/// The first search of the whole picture is this many times as fast.
+const FIRST: f64 = 5.0;
 /// Tiles are this many times as wide as the smallest face of their octave.
 const TILE: u32 = 8;
 
@@ -108,6 +130,7 @@ impl FaceWindowPercepts {
         let FaceWindowSettings {
             smallest_px,
             full_search_s,
+            change,
             margin,
             sizes,
             ..
@@ -125,6 +148,12 @@ impl FaceWindowPercepts {
             "above 0",
         )?;
         check((0.0..=10.0).contains(&margin), "margin", margin.into(), "0 to 10")?;
+        check(
+            (0.0..=255.0).contains(&change),
+            "change",
+            change.into(),
+            "0 to 255",
+        )?;
         let fits = sizes.0 > 0.0 && sizes.0 <= 1.0 && sizes.1 >= 1.0 && sizes.1 <= 10.0;
         check(fits, "sizes", sizes.0.into(), "a share to 1 and one from 1 to 10")?;
         let detectors = settings
@@ -147,13 +176,14 @@ impl FaceWindowPercepts {
             size: (0, 0),
             state: FaceWindowState::default(),
             part: Vec::new(),
+            means: Vec::new(),
             windows: Vec::new(),
         })
     }
 
     /// What is remembered.
-    pub fn state(&self) -> FaceWindowState {
-        self.state
+    pub fn state(&self) -> &FaceWindowState {
+        &self.state
     }
 
     /// Goes on from what was remembered.
@@ -186,8 +216,11 @@ impl FaceWindowPercepts {
         if self.slices.is_empty() {
             return;
         }
+        self.state.shown.resize_with(self.slices.len(), Shown::default);
         let count = self.slices.len() as f64;
-        let share = elapsed.seconds().max(0.0) / self.settings.full_search_s;
+        let is_first = self.state.shown.iter().any(|shown| shown.means.is_empty());
+        let speed = if is_first { FIRST } else { 1.0 };
+        let share = speed * elapsed.seconds().max(0.0) / self.settings.full_search_s;
         // After a gap everything is searched once, and no more.
         self.state.owed = (self.state.owed + share * count).min(count);
         while self.state.owed >= 1.0 {
@@ -198,17 +231,22 @@ impl FaceWindowPercepts {
                 smallest,
                 largest,
             } = self.slices[self.state.slice];
+            block_means(picture, tile, &mut self.means);
+            let shown = &mut self.state.shown[self.state.slice];
             self.state.slice += 1;
+            if shown.passed < MOST_PASSED && !differ(&shown.means, &self.means, self.settings.change) {
+                shown.passed += 1;
+                continue;
+            }
+            shown.passed = 0;
+            shown.means.clone_from(&self.means);
             self.scan(picture, tile, smallest, largest);
         }
     }
 
     /// All windows of these sizes in a part of the picture.
     fn scan(&mut self, picture: GrayView<'_>, part: Rectangle, smallest: u32, largest: u32) {
-        let clip = |value: f32, most: usize| (value.max(0.0) as usize).min(most);
-        let (left, top) = (clip(part.left, picture.width), clip(part.top, picture.height));
-        let right = clip(part.right().ceil(), picture.width);
-        let bottom = clip(part.bottom().ceil(), picture.height);
+        let [left, top, right, bottom] = clipped(picture, part);
         let (width, height) = (right.saturating_sub(left), bottom.saturating_sub(top));
         if (width.min(height) as u32) < smallest {
             return;
@@ -230,6 +268,48 @@ impl FaceWindowPercepts {
                 }));
         }
     }
+}
+
+/// The columns and rows of a part that are in the picture: from left and top, to before right and bottom.
+fn clipped(picture: GrayView<'_>, part: Rectangle) -> [usize; 4] {
+    let clip = |value: f32, most: usize| (value.max(0.0) as usize).min(most);
+    [
+        clip(part.left, picture.width),
+        clip(part.top, picture.height),
+        clip(part.right().ceil(), picture.width),
+        clip(part.bottom().ceil(), picture.height),
+    ]
+}
+
+/// Means of the blocks of a part of the picture, row by row; those at its right and lower edge may be smaller.
+fn block_means(picture: GrayView<'_>, part: Rectangle, means: &mut Vec<u8>) {
+    let [left, top, right, bottom] = clipped(picture, part);
+    means.clear();
+    for row in (top..bottom).step_by(BLOCK) {
+        let high = BLOCK.min(bottom - row);
+        for column in (left..right).step_by(BLOCK) {
+            let end = (column + BLOCK).min(right);
+            let sum: u32 = (row..row + high)
+                .map(|row| {
+                    picture.row(row)[column..end]
+                        .iter()
+                        .map(|value| u32::from(*value))
+                        .sum::<u32>()
+                })
+                .sum();
+            means.push((sum / ((end - column) * high) as u32) as u8);
+        }
+    }
+}
+
+/// Whether a block has changed by so much; parts of other sizes differ.
+fn differ(one: &[u8], other: &[u8], change: f32) -> bool {
+    one.len() != other.len()
+        || one.is_empty()
+        || one
+            .iter()
+            .zip(other)
+            .any(|(one, other)| f32::from(one.abs_diff(*other)) >= change)
 }
 
 /// Every tile of every octave, large faces first.
@@ -299,7 +379,13 @@ mod tests {
             ..VideoFrame::default()
         };
         percepts.search(&frame, Span::ZERO, std::iter::empty());
-        let (all, start) = (percepts.slices.len(), percepts.state.slice);
+        let all = percepts.slices.len();
+        // The first time is faster.
+        for _ in 0..11 {
+            percepts.search(&frame, Span::from_seconds(0.04), std::iter::empty());
+        }
+        assert!(percepts.state.shown.iter().all(|shown| !shown.means.is_empty()));
+        let start = percepts.state.slice;
         for _ in 0..50 {
             percepts.search(&frame, Span::from_seconds(0.04), std::iter::empty());
         }
@@ -307,6 +393,48 @@ mod tests {
         assert!(
             (searched % all).min(all - searched % all) <= 1,
             "{searched} of {all}"
+        );
+    }
+
+    #[test]
+    fn what_does_not_change_is_searched_seldom() {
+        let settings = FaceWindowSettings {
+            cascades: Vec::new(),
+            ..FaceWindowSettings::default()
+        };
+        let mut percepts = FaceWindowPercepts::new(settings).unwrap();
+        let mut frame = VideoFrame {
+            width: 360,
+            height: 288,
+            luma: vec![90; 360 * 288],
+            ..VideoFrame::default()
+        };
+        let whole = Span::from_seconds(5.0);
+        percepts.search(&frame, whole, std::iter::empty());
+        for turn in 1..=MOST_PASSED {
+            percepts.search(&frame, whole, std::iter::empty());
+            assert!(percepts.state.shown.iter().all(|shown| shown.passed == turn));
+        }
+        percepts.search(&frame, whole, std::iter::empty());
+        assert!(percepts.state.shown.iter().all(|shown| shown.passed == 0));
+        // Somebody comes: only where that is seen.
+        for row in 100..120 {
+            frame.luma[row * 360 + 100..row * 360 + 120].fill(140);
+        }
+        percepts.search(&frame, whole, std::iter::empty());
+        let searched: Vec<&Slice> = percepts
+            .slices
+            .iter()
+            .zip(&percepts.state.shown)
+            .filter(|(_, shown)| shown.passed == 0)
+            .map(|(slice, _)| slice)
+            .collect();
+        let changed = Rectangle::new(100.0, 100.0, 20.0, 20.0);
+        assert!(!searched.is_empty() && searched.len() < percepts.slices.len());
+        assert!(
+            searched
+                .iter()
+                .all(|slice| slice.tile.intersection(&changed).area() > 0.0)
         );
     }
 
