@@ -26,11 +26,11 @@ pub struct FaceWindowSettings {
     /// Raising it finds new faces later and is faster.
     pub full_search_s: f64,
     /// By how much the mean of 8 x 8 pixels must have changed for a part of the picture to be searched again before its
-    /// fifth turn, codes of 0 to 255, 0 or more; 0 searches always. Default 3: where nothing stirs there is nobody new.
+    /// fifth turn, codes of 0 to 255, 0 or more; 0 searches always. Default 5: where nothing stirs there is nobody new.
     pub change: f32,
-    /// How far around a known face windows are sought, face widths. Default 0.8.
+    /// How far around a known face windows are sought, face widths. Default 0.6.
     pub margin: f32,
-    /// Smallest and largest window around a known face, as shares of its width. Default 0.7 and 1.4.
+    /// Smallest and largest window around a known face, as shares of its width. Default 0.8 and 1.25.
     pub sizes: (f32, f32),
     /// Ratio of one size to the next, 1.01 to 4. Default 1.1.
     pub scale_step: f64,
@@ -46,9 +46,9 @@ impl Default for FaceWindowSettings {
             smallest_px: 24,
             largest_px: 0,
             full_search_s: 5.0,
-            change: 3.0,
-            margin: 0.8,
-            sizes: (0.7, 1.4),
+            change: 5.0,
+            margin: 0.6,
+            sizes: (0.8, 1.25),
             scale_step: 1.1,
         }
     }
