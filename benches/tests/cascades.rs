@@ -16,10 +16,19 @@ fn cascades_find_rendered_people_and_little_else() {
     assert!(curves.narrowest_head_px() >= 40.0);
     let share = |cascade, from, to| curves.share(cascade, from, to).unwrap();
     assert!(share("frontalface_alt2", 0.0, 25.0) >= 0.85);
-    assert!(share("frontalface_alt2", 60.0, 91.0) <= 0.15);
+    // Of 400 people it is 92 %; of these few one more or less is 4 %.
+    assert!(share("frontalface_default", 0.0, 25.0) >= 0.8);
+    for cascade in ["frontalface_alt2", "frontalface_default"] {
+        assert!(share(cascade, 60.0, 91.0) <= 0.1, "{cascade}");
+    }
     assert!(share("profileface", 20.0, 50.0) >= 0.8);
-    assert!(share("upperbody", 0.0, 91.0) >= 0.5);
-    for cascade in ["frontalface_alt2", "profileface", "upperbody"] {
-        assert!(curves.false_boxes(cascade).unwrap() <= 0.15, "{cascade}");
+    assert!(share("upperbody", 0.0, 91.0) >= 0.6);
+    for cascade in [
+        "frontalface_alt2",
+        "frontalface_default",
+        "profileface",
+        "upperbody",
+    ] {
+        assert!(curves.false_boxes(cascade).unwrap() <= 0.1, "{cascade}");
     }
 }
