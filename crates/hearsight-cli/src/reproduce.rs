@@ -47,6 +47,8 @@ pub(crate) struct Experiment {
     pub(crate) run: fn(&Trial) -> miette::Result<Measured>,
     /// Judges the claims.
     pub(crate) judge: fn(&Results) -> Report,
+    /// Why claims that fail do, as far as it has been found out.
+    pub(crate) causes: &'static claim::Causes,
 }
 
 /// One scene with one seed.

@@ -1,7 +1,7 @@
 //! `hearsight reproduce`: a paper's experiment on simulated rooms, its table beside ours.
 
 use crate::exit::Code;
-use crate::reproduce::claim::{Claim, Report, Table};
+use crate::reproduce::claim::{self, Claim, Report, Table};
 use crate::reproduce::trials::{self, Options};
 use crate::reproduce::{EXPERIMENTS, Experiment, Extent};
 use crate::{interrupt, progress, say};
@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
     /// Seeds of each scene. Default: the experiment's own number.
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u64).range(1..=10_000))]
     seeds: Option<u64>,
-    /// Write the claims to this file: id, statement, paper, ours, interval, seeds, holds.
+    /// Write the claims to this file: id, statement, paper, ours, interval, seeds, holds, cause.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Directory in which finished trials are kept. Default `reproduce-<system>`.
@@ -84,7 +84,8 @@ pub(crate) fn run(arguments: &Arguments) -> miette::Result<Code> {
         ));
         return Ok(Code::Interrupted);
     };
-    let report = (experiment.judge)(&results);
+    let mut report = (experiment.judge)(&results);
+    claim::explain(&mut report.claims, experiment.causes);
     if let Some(path) = &arguments.json {
         write_claims(&report.claims, path)?;
     }
@@ -134,6 +135,20 @@ fn print(report: &Report) {
         columns: head.map(str::to_owned).to_vec(),
         rows: rows.collect(),
     }));
+    let mut causes: Vec<(&str, Vec<&str>)> = Vec::new();
+    for claim in &report.claims {
+        let Some(cause) = claim.cause else { continue };
+        match causes.iter_mut().find(|(known, _)| *known == cause) {
+            Some((_, names)) => names.push(claim.id),
+            None => causes.push((cause, vec![claim.id])),
+        }
+    }
+    if !causes.is_empty() {
+        say::line("\nwhy claims fail, as far as it has been found out");
+        for (cause, names) in causes {
+            say::line(format_args!("{}: {cause}", names.join(", ")));
+        }
+    }
     let held = report.claims.iter().filter(|claim| claim.holds).count();
     say::line(format_args!("{held} of {} claims hold", report.claims.len()));
 }

@@ -32,6 +32,20 @@ pub(crate) struct Claim {
     pub(crate) seeds: usize,
     /// Whether it holds.
     pub(crate) holds: bool,
+    /// Where it does not hold: why, as far as it has been found out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) cause: Option<&'static str>,
+}
+
+/// Why claims do not hold, as far as it has been found out: names of claims, and the cause that they share.
+pub(crate) type Causes = [(&'static [&'static str], &'static str)];
+
+/// Says of the claims that do not hold why.
+pub(crate) fn explain(claims: &mut [Claim], causes: &Causes) {
+    for claim in claims.iter_mut().filter(|claim| !claim.holds) {
+        let known = causes.iter().find(|(names, _)| names.contains(&claim.id));
+        claim.cause = known.map(|(_, cause)| *cause);
+    }
 }
 
 /// What an experiment came to.
@@ -66,6 +80,7 @@ impl Claim {
             p: None,
             seeds,
             holds: measured.is_some_and(|measured| (range[0]..=range[1]).contains(&measured.estimate)),
+            cause: None,
         }
     }
 }
@@ -163,6 +178,17 @@ mod tests {
         let [low, high] = claim.interval.unwrap();
         assert!(claim.holds && low < 0.25 && 0.25 < high, "{claim:?}");
         assert!(mean_within(statement(), &[1.0, 3.0], [2.0, 2.0]).holds);
+    }
+
+    #[test]
+    fn only_what_does_not_hold_has_a_cause() {
+        let causes: &Causes = &[(&["test"], "the scene")];
+        let mut claims = [
+            mean_within(statement(), &[1.0, 3.0], [2.0, 2.0]),
+            mean_within(statement(), &[1.0, 3.0], [3.0, 4.0]),
+        ];
+        explain(&mut claims, causes);
+        assert_eq!(claims.map(|claim| claim.cause), [None, Some("the scene")]);
     }
 
     #[test]

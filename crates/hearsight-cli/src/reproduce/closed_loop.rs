@@ -23,6 +23,7 @@ pub(crate) const EXPERIMENT: Experiment = Experiment {
     scenes,
     run,
     judge: claims::judge,
+    causes: &[],
 };
 
 /// One head that is hard to follow.

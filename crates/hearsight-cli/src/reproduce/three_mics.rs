@@ -23,6 +23,7 @@ pub(crate) const EXPERIMENT: Experiment = Experiment {
     scenes,
     run,
     judge: judgement::judge,
+    causes: &[],
 };
 
 const SEATED: &str = "seated";

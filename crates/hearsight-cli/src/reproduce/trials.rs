@@ -230,6 +230,7 @@ mod tests {
         scenes: |_| vec![("near", 3), ("far", 2)],
         run: measure,
         judge: |_| Report::default(),
+        causes: &[],
     };
 
     #[test]

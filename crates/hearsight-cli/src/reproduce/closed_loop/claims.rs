@@ -296,6 +296,7 @@ fn particles(results: &Results) -> Claim {
         p: None,
         seeds,
         holds: ratio.is_some_and(|ratio| ratio >= 4.0),
+        cause: None,
     }
 }
 
