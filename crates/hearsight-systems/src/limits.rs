@@ -99,6 +99,7 @@ pub(crate) const COMMON: &[Limit] = &[
     seconds("birth.support_s"),
     share("birth.probability"),
     share("birth.stirred"),
+    ("birth.grown", 0.0, 1000.0),
     share("birth.torso_inside"),
     seconds("birth.patience_s"),
     share("birth.talking"),

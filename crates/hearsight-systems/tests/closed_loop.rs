@@ -5,7 +5,7 @@
 
 mod drawn_room;
 
-use drawn_room::{HEIGHT, WIDTH, moment, nearest, room, run, two};
+use drawn_room::{HEIGHT, RED, TOP, WIDTH, moment, nearest, paint, room, run, two};
 use hearsight_core::Moment;
 use hearsight_core::record::Scene;
 use hearsight_systems::{System, build};
@@ -162,6 +162,75 @@ fn broken_microphones_are_survived() {
     survives("not numbers", 120..150, |moment| {
         moment.audio[0].data.channels[0].fill(f32::NAN)
     });
+}
+
+/// One person whose head is so wide, pixels, before the wall.
+fn one_of_width(tick: usize, head: f32, x: f32) -> Moment {
+    let mut moment = moment(tick, &[], None, false);
+    let frame = &mut moment.video[0].data;
+    let top = TOP;
+    let mut part = |left: f32, top: f32, width: f32, height: f32, colour, round| {
+        paint(frame, left, top, width, height, colour, round);
+    };
+    part(
+        x - 1.05 * head,
+        top + 1.45 * head,
+        2.1 * head,
+        4.0 * head,
+        RED,
+        false,
+    );
+    part(
+        x - 0.3 * head,
+        top + head,
+        0.6 * head,
+        0.8 * head,
+        [190, 130, 100],
+        false,
+    );
+    part(x - 0.5 * head, top, head, 1.3 * head, [190, 130, 100], true);
+    part(x - 0.5 * head, top, head, 0.5 * head, [40, 30, 25], true);
+    moment
+}
+
+#[test]
+fn an_ellipse_that_shrinks_to_a_few_pixels_comes_back() {
+    let mut system = system(json!({}), false);
+    let mut scene = Scene::default();
+    let mut smallest = f64::INFINITY;
+    for tick in 0..420_usize {
+        let head = match tick {
+            0..50 => 0.0,
+            50..120 => 28.0,
+            // Away until the head is four pixels high, and back.
+            120..220 => 28.0 - 0.25 * (tick - 120) as f32,
+            220..260 => 3.0,
+            260..360 => 3.0 + 0.25 * (tick - 260) as f32,
+            _ => 28.0,
+        };
+        let moment = if tick < 50 {
+            moment(tick, &[], None, false)
+        } else {
+            // Comes in from the left.
+            one_of_width(tick, head, (3.0 * (tick - 50) as f32 - 30.0).min(160.0))
+        };
+        system.step(&moment, &mut scene);
+        assert_finite(&scene);
+        if tick == 119 {
+            assert_eq!(scene.tracks.len(), 1, "{:?}", scene.tracks);
+        }
+        for track in &scene.tracks {
+            smallest = smallest.min(track.views[0].head.height);
+        }
+    }
+    assert!((2.0..6.0).contains(&smallest), "{smallest} px");
+    assert_eq!(scene.tracks.len(), 1, "{:?}", scene.tracks);
+    let head = scene.tracks[0].views[0].head;
+    let middle = head.left + 0.5 * head.width;
+    assert!(
+        (middle - 160.0).abs() < 5.0 && (28.0..46.0).contains(&head.height),
+        "{head:?}"
+    );
 }
 
 #[test]

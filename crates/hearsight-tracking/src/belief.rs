@@ -40,6 +40,8 @@ pub struct Belief {
     pub looks: u32,
     /// When the belief began.
     pub born: Instant,
+    /// Height of its head when it began, pixels.
+    pub born_height_px: f32,
     /// When a detection last supported it.
     pub supported: Instant,
     /// For how long detections have supported it in all.

@@ -652,6 +652,7 @@ fn newborn(number: u64, particles: Particles, generator: Generator, head: Rectan
         body_part_s: 0.0,
         merged_s: 0.0,
         born: now,
+        born_height_px: head.height,
         supported: now,
         support: Span::ZERO,
         face_seen: false,

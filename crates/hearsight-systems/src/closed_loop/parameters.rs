@@ -177,6 +177,7 @@ impl Default for Parameters {
             association: AssociationSettings::default(),
             birth: BirthSettings {
                 face_suffices: true,
+                grown: 1.5,
                 most_scouts: 12,
                 ..BirthSettings::default()
             },

@@ -20,6 +20,10 @@ pub struct BirthSettings {
     /// scout, 0 to 1. Default 0.06. People who come move; shadows and shifted chairs do not. A detected face needs no
     /// movement.
     pub stirred: f32,
+    /// Ratio by which a head must have grown or shrunk since its scout began to count as movement too, 1 or more; 0 asks for
+    /// stirring alone. Default 0. Whoever comes nearer in plain clothes hardly changes from picture to picture, and
+    /// neither shadows nor chairs grow.
+    pub grown: f32,
     /// Share of the torso that must be inside the picture before a scout is published, so that its clothing is known
     /// first, 0 to 1. Default 0.5. Not waited for longer than `patience_s`.
     pub torso_inside: f32,
@@ -49,6 +53,7 @@ impl Default for BirthSettings {
             support_s: 0.2,
             probability: 0.9,
             stirred: 0.06,
+            grown: 0.0,
             torso_inside: 0.5,
             patience_s: 0.8,
             talking: 0.5,
@@ -103,9 +108,16 @@ pub(crate) fn may_publish(
 ) -> bool {
     let talks = belief.speaking >= settings.talking && belief.existence.probability() > 0.5;
     let likely = belief.existence.probability() >= settings.probability;
+    let stirred = belief.stirred_s >= f64::from(settings.stirred) * belief.support.seconds();
     let held = belief.support.seconds() >= settings.support_s
         && likely
-        && belief.stirred_s >= f64::from(settings.stirred) * belief.support.seconds()
+        && (stirred || has_grown(belief, settings))
         && (torso_inside >= settings.torso_inside || (now - belief.born).seconds() >= settings.patience_s);
     held || talks || (likely && settings.face_suffices && belief.face_seen)
+}
+
+/// Whether the head has become so much larger or smaller since its scout began that somebody came or went.
+fn has_grown(belief: &Belief, settings: &BirthSettings) -> bool {
+    let (now, then) = (belief.head.height, belief.born_height_px);
+    settings.grown >= 1.0 && now.max(then) >= settings.grown * now.min(then)
 }

@@ -64,7 +64,10 @@ impl ViewTracker {
             .iter()
             .flatten()
             .all(|value| value.is_finite());
-        check(real && belief.head.is_finite(), "states of particles")?;
+        check(
+            real && belief.head.is_finite() && belief.born_height_px.is_finite(),
+            "states of particles",
+        )?;
         // A generator of zeros alone gives zeros for ever.
         let mut generator = belief.generator.clone();
         check((0..8).any(|_| uniform(&mut generator) > 0.0), "random numbers")?;
