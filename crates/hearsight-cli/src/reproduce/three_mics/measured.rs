@@ -1,17 +1,33 @@
 //! What one variant said of the speaker and their place beside what was so, tick by tick, and what comes of it.
+//!
+//! A frame of sound says who spoke in its middle, half a frame before the tick at which it is told: who speaks is compared
+//! with that instant, where they are with the tick itself.
 
 use hearsight::core::record::{Scene, TrackRecord};
-use hearsight::core::truth::{PersonTruth, TruthRecord};
+use hearsight::core::truth::TruthRecord;
 use hearsight::eval::metrics::equal_error::EqualErrorCounts;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 
 /// Farther from the speaker than this, sound alone is trapped, metres.
 const TRAPPED_M: f64 = 1.0;
+/// Half of the paper's frame of 0.27 s, the longest that any variant has, seconds.
+const MIDDLE_S: f64 = 0.135;
 
 /// A run beside the truth.
 #[derive(Debug, Default)]
 pub(super) struct Measurement {
     ticks: Vec<Tick>,
+    /// What sounded lately, the oldest first.
+    lately: VecDeque<Sounding>,
+}
+
+#[derive(Debug)]
+struct Sounding {
+    time_s: f64,
+    /// Numbers of the people who speak.
+    speakers: Vec<u64>,
+    /// Whether the source that is told apart sounds.
+    rival: bool,
 }
 
 #[derive(Debug)]
@@ -32,21 +48,41 @@ struct Tick {
 impl Measurement {
     /// Adds a tick. `rival` is the beginning of the names of sounds that are not to be taken for speakers.
     pub(super) fn push(&mut self, scene: &Scene, truth: &TruthRecord, rival: &str) {
-        let mut speaking = truth.people.iter().filter(|person| person.speaking);
-        let first = speaking.next();
-        let only = first.filter(|_| speaking.next().is_none());
-        self.ticks.push(Tick {
-            speaks: first.is_some(),
-            mouth: only.and_then(|person: &PersonTruth| person.mouth_m),
+        let middle = self.middle(truth, rival);
+        let only = match middle.speakers[..] {
+            [only] => Some(only),
+            _ => None,
+        };
+        let mouth = truth.people.iter().find(|person| Some(person.id) == only);
+        let tick = Tick {
+            speaks: !middle.speakers.is_empty(),
+            mouth: mouth.and_then(|person| person.mouth_m),
             probability: scene.nobody_probability.map_or(0.0, |nobody| 1.0 - nobody),
             heard: scene.sounds.first().and_then(|sound| sound.position_m),
             fused: likeliest(scene).and_then(|track| track.position_m),
             marked: scene.speaker.is_some(),
+            rival: middle.rival,
+        };
+        self.ticks.push(tick);
+    }
+
+    /// What sounded at the tick that is nearest to the middle of the newest frame.
+    fn middle(&mut self, truth: &TruthRecord, rival: &str) -> &Sounding {
+        let speaking = truth.people.iter().filter(|person| person.speaking);
+        self.lately.push_back(Sounding {
+            time_s: truth.time_s,
+            speakers: speaking.map(|person| person.id).collect(),
             rival: truth
                 .sounds
                 .iter()
                 .any(|sound| sound.sounding && sound.name.starts_with(rival)),
         });
+        let middle_s = truth.time_s - MIDDLE_S;
+        let apart = |sounding: &Sounding| (sounding.time_s - middle_s).abs();
+        while self.lately.len() > 1 && apart(&self.lately[1]) <= apart(&self.lately[0]) {
+            self.lately.pop_front();
+        }
+        &self.lately[0]
     }
 
     /// All metrics that could be measured. Errors are those of the frames correctly taken for speech at the point where
@@ -156,6 +192,7 @@ fn root_mean_square(values: impl Iterator<Item = f64>) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use hearsight::core::truth::PersonTruth;
 
     fn tick(speaks: bool, probability: f64, error: [f64; 3]) -> Tick {
         Tick {
@@ -172,6 +209,7 @@ mod tests {
     #[test]
     fn errors_are_of_the_frames_taken_for_speech_and_rates_of_all() {
         let measurement = Measurement {
+            lately: VecDeque::new(),
             ticks: vec![
                 tick(true, 0.9, [0.3, 0.0, 0.0]),
                 tick(true, 0.8, [-0.4, 1.2, 0.0]),
@@ -195,5 +233,39 @@ mod tests {
         near("audio_x", (0.25_f64 / 2.0).sqrt());
         near("fused_x", (0.25_f64 / 8.0).sqrt());
         assert!(!metrics.contains_key("rejected"));
+    }
+
+    #[test]
+    fn who_speaks_is_compared_with_the_middle_of_the_frame_and_places_with_the_tick() {
+        let person = |id: u64, speaking: bool, x_m: f64| PersonTruth {
+            id,
+            name: id.to_string(),
+            present: true,
+            speaking,
+            mouth_m: Some([x_m, 2.0, 1.2]),
+            head_m: Some([x_m, 2.0, 1.25]),
+            head_yaw_rad: Some(0.0),
+            views: Vec::new(),
+        };
+        let mut measurement = Measurement::default();
+        // Ten ticks a second: the first speaks until 0.2 s while walking, the second from then on.
+        for tick in 0..5_u32 {
+            let time_s = 0.1 * f64::from(tick);
+            let truth = TruthRecord {
+                tick: tick.into(),
+                time_s,
+                people: vec![person(1, tick < 2, time_s), person(2, tick >= 2, 4.0)],
+                ..TruthRecord::default()
+            };
+            measurement.push(&Scene::default(), &truth, "rival");
+        }
+        let x_m: Vec<f64> = measurement
+            .ticks
+            .iter()
+            .map(|tick| tick.mouth.unwrap()[0])
+            .collect();
+        for (found, expected) in x_m.iter().zip([0.0, 0.1, 0.2, 4.0, 4.0]) {
+            assert!((found - expected).abs() < 1e-9, "{x_m:?}");
+        }
     }
 }
