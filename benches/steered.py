@@ -61,6 +61,7 @@ def sentences():
 def frames(count, microphones):
     """Frames x microphones x samples, and where the source of each is."""
     random = np.random.default_rng(3)
+    np.random.seed(3)  # pyroomacoustics draws its noise from here: without, every run is of other frames
     texts, made, places = sentences(), [], []
     while len(made) < count:
         place = random.uniform([0.4, 0.4, 0.8], ROOM - [0.4, 0.4, 0.6])
@@ -140,7 +141,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rounds", type=int, default=20)
     parser.add_argument("--frames", type=int, default=12)
-    parser.add_argument("--slow", type=int, default=3, help="frames for pyroomacoustics, half a minute each")
+    parser.add_argument("--slow", type=int, default=12, help="frames for pyroomacoustics, half a minute each; the median of "
+                        "a few is the luck of one: next points of the grid are within 1 % of the best")
     parser.add_argument("--program", type=pathlib.Path)
     parser.add_argument("--strict", action="store_true")
     arguments = parser.parse_args()
