@@ -5,7 +5,7 @@
 
 use super::Cascade;
 use super::evaluate::{Accepted, run_row};
-use super::group::group;
+use super::group::Grouping;
 use super::level::{LANES, Layout, Level, Shape};
 use super::plan::Plan;
 use super::resize::Resizer;
@@ -15,6 +15,10 @@ use serde::{Deserialize, Serialize};
 
 /// From this scale on windows are placed at every pixel of the shrunk picture, below at every second.
 const FINE_FROM: f32 = 2.0;
+
+/// There is room for so many windows from the start, so that the first face in a picture asks for no memory; where more
+/// are found, room is made for them once.
+const WINDOWS: usize = 256;
 
 /// Whether faces looking the other way are sought, by a picture turned left to right.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -112,6 +116,7 @@ pub struct CascadeDetector {
     results: Vec<[f32; LANES]>,
     accepted: Vec<Accepted>,
     windows: Vec<Window>,
+    grouping: Grouping,
     detections: Vec<Detection>,
 }
 
@@ -130,9 +135,10 @@ impl CascadeDetector {
             shrunk: Vec::new(),
             level: Level::default(),
             results: Vec::new(),
-            accepted: Vec::new(),
-            windows: Vec::new(),
-            detections: Vec::new(),
+            accepted: Vec::with_capacity(WINDOWS),
+            windows: Vec::with_capacity(WINDOWS),
+            grouping: Grouping::with_room_for(WINDOWS),
+            detections: Vec::with_capacity(WINDOWS),
         })
     }
 
@@ -159,12 +165,13 @@ impl CascadeDetector {
         let turned = self.windows.partition_point(|window| !window.mirrored);
         let frame = Rectangle::new(0.0, 0.0, picture.width as f32, picture.height as f32);
         for windows in [&self.windows[..turned], &self.windows[turned..]] {
-            let groups = group(windows, self.options.neighbours, self.options.tolerance);
-            self.detections
-                .extend(groups.into_iter().filter_map(|mut detection| {
-                    detection.bounds = detection.bounds.intersection(&frame);
-                    (detection.bounds.area() > 0.0).then_some(detection)
-                }));
+            let groups = self
+                .grouping
+                .group(windows, self.options.neighbours, self.options.tolerance);
+            self.detections.extend(groups.filter_map(|mut detection| {
+                detection.bounds = detection.bounds.intersection(&frame);
+                (detection.bounds.area() > 0.0).then_some(detection)
+            }));
         }
         &self.detections
     }

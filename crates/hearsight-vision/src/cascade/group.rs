@@ -3,30 +3,86 @@
 use super::detect::{Detection, Window};
 use hearsight_core::Rectangle;
 
-/// Groups `windows`: those alike within `tolerance` (as a share of the smaller one's size), directly or over others,
-/// become their mean. Groups of no more than `neighbours` windows are dropped, and so are those within a larger group
-/// of more windows. With 0 neighbours every window stays as it is.
-///
-/// The order is that of each group's first window.
-pub fn group(windows: &[Window], neighbours: u32, tolerance: f64) -> Vec<Detection> {
-    if neighbours == 0 {
-        return windows
-            .iter()
-            .map(|window| Group::of(window).detection())
-            .collect();
+/// Groups windows, with the buffers that takes.
+#[derive(Clone, Debug)]
+pub(crate) struct Grouping {
+    parents: Vec<usize>,
+    numbers: Vec<usize>,
+    groups: Vec<Group>,
+}
+
+impl Grouping {
+    /// Buffers for so many windows.
+    pub(crate) fn with_room_for(windows: usize) -> Self {
+        Self {
+            parents: Vec::with_capacity(windows),
+            numbers: Vec::with_capacity(windows),
+            groups: Vec::with_capacity(windows),
+        }
     }
-    let groups = merge(windows, tolerance);
-    groups
-        .iter()
-        .enumerate()
-        .filter(|(at, group)| {
-            group.count > neighbours
-                && !groups.iter().enumerate().any(|(other, large)| {
-                    other != *at && large.count > neighbours && group.is_within(large, tolerance)
-                })
-        })
-        .map(|(_, group)| group.detection())
-        .collect()
+
+    /// Groups `windows`: those alike within `tolerance` (as a share of the smaller one's size), directly or over others,
+    /// become their mean. Groups of no more than `neighbours` windows are dropped, and so are those within a larger group
+    /// of more windows. With 0 neighbours every window stays as it is.
+    ///
+    /// The order is that of each group's first window.
+    pub(crate) fn group(
+        &mut self,
+        windows: &[Window],
+        neighbours: u32,
+        tolerance: f64,
+    ) -> impl Iterator<Item = Detection> {
+        self.groups.clear();
+        if neighbours == 0 {
+            self.groups.extend(windows.iter().map(Group::of));
+        } else {
+            self.merge(windows, tolerance);
+        }
+        let groups = &self.groups;
+        groups
+            .iter()
+            .enumerate()
+            .filter(move |(at, group)| {
+                neighbours == 0
+                    || group.count > neighbours
+                        && !groups.iter().enumerate().any(|(other, large)| {
+                            other != *at && large.count > neighbours && group.is_within(large, tolerance)
+                        })
+            })
+            .map(|(_, group)| group.detection())
+    }
+
+    /// The connected components under likeness, averaged, in the order of their first windows.
+    fn merge(&mut self, windows: &[Window], tolerance: f64) {
+        let Self {
+            parents,
+            numbers,
+            groups,
+        } = self;
+        parents.clear();
+        parents.extend(0..windows.len());
+        for second in 1..windows.len() {
+            for first in 0..second {
+                if alike(&windows[first], &windows[second], tolerance) {
+                    let (a, b) = (root(parents, first), root(parents, second));
+                    parents[a.max(b)] = a.min(b);
+                }
+            }
+        }
+        // The root is the first window of its group.
+        numbers.clear();
+        numbers.resize(windows.len(), 0);
+        for (at, window) in windows.iter().enumerate() {
+            let root = root(parents, at);
+            if root == at {
+                numbers[at] = groups.len();
+                groups.push(Group::of(window));
+            } else {
+                groups[numbers[root]].add(window);
+            }
+        }
+        groups.iter_mut().for_each(Group::average);
+    }
 }
 
 /// Windows alike, summed up and then averaged.
@@ -104,33 +160,6 @@ fn alike(a: &Window, b: &Window, tolerance: f64) -> bool {
         && near(a.top, b.top)
         && near(a.left + a.width, b.left + b.width)
         && near(a.top + a.height, b.top + b.height)
-}
-
-/// The connected components under likeness, averaged, in the order of their first windows.
-fn merge(windows: &[Window], tolerance: f64) -> Vec<Group> {
-    let mut parents: Vec<usize> = (0..windows.len()).collect();
-    for second in 1..windows.len() {
-        for first in 0..second {
-            if alike(&windows[first], &windows[second], tolerance) {
-                let (a, b) = (root(&mut parents, first), root(&mut parents, second));
-                parents[a.max(b)] = a.min(b);
-            }
-        }
-    }
-    let mut groups: Vec<Group> = Vec::new();
-    // The root is the first window of its group.
-    let mut numbers = vec![0; windows.len()];
-    for (at, window) in windows.iter().enumerate() {
-        let root = root(&mut parents, at);
-        if root == at {
-            numbers[at] = groups.len();
-            groups.push(Group::of(window));
-        } else {
-            groups[numbers[root]].add(window);
-        }
-    }
-    groups.iter_mut().for_each(Group::average);
-    groups
 }
 
 fn root(parents: &mut [usize], mut at: usize) -> usize {
