@@ -95,19 +95,39 @@ pub enum CalibrateError {
     },
     /// The best answer lies outside of what was to be searched, so that it is none.
     #[error(
-        "the best fit is a clock {offset_s:.2} s off and a turn of {turn:.0} degrees, outside of the {most_s} s and {most_deg} \
-         degrees that are searched; faces and sound hardly tell: record longer, nearer, with one person who talks, or \
-         declare clock and direction better"
+        "the best fit is a clock {offset_s:.2} +- {offset_deviation_s:.2} s off and a turn of {turn:.0} +- {turn_deviation:.0} \
+         degrees, which reaches beyond the {most_s} s and {most_deg} degrees that are searched; faces and sound hardly \
+         tell: record longer, nearer, with one person who talks and walks to and fro, or declare clock and direction better"
     )]
     Outside {
         /// Clock offset found, seconds.
         offset_s: f64,
+        /// Its standard deviation.
+        offset_deviation_s: f64,
         /// Turn found, degrees.
         turn: f64,
+        /// Its standard deviation.
+        turn_deviation: f64,
         /// Largest clock offset searched, seconds.
         most_s: f64,
         /// Largest turn searched, degrees.
         most_deg: f64,
+    },
+    /// Two answers far apart fit nearly as well.
+    #[error(
+        "a clock {offset_s:.2} s off with a turn of {turn:.0} degrees and one {other_offset_s:.2} s off with a turn of \
+         {other_turn:.0} degrees fit about equally well; who walks one way only looks the same late as turned: record \
+         longer, nearer, with one person who talks and walks to and fro, or search less with --offset and --turn"
+    )]
+    Ambiguous {
+        /// Clock offset that fits best, seconds.
+        offset_s: f64,
+        /// Its turn, degrees.
+        turn: f64,
+        /// The other clock offset, seconds.
+        other_offset_s: f64,
+        /// Its turn, degrees.
+        other_turn: f64,
     },
     /// Numbers that no equation can be solved for.
     #[error("the equations have no solution: {0}")]

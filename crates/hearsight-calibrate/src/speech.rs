@@ -6,13 +6,16 @@
 //! the larger they are (Geman and McClure), so that reflections, noise and people who are not seen do little harm. A search
 //! over clock and turn finds where to begin; damped least squares do the rest. What is declared of the place counts as one
 //! more measurement, since arrays that are small or level hardly tell their distance and height.
+//!
+//! The speaker must be seen: mouths of people who are silent, alone in view, make clock and turn wrong together. So an
+//! answer is refused that reaches beyond the search by its deviation, or that has a rival far away.
 
 mod listening;
 
 pub use listening::{HeardDelays, Listener};
 
 use crate::error::CalibrateError;
-use crate::least_squares::{Problem, minimize};
+use crate::least_squares::{Minimum, Problem, minimize};
 use hearsight_core::microphones::MicrophoneArray;
 use hearsight_core::{Instant, Span, WorldPoint};
 use listening::HOP_S;
@@ -87,6 +90,18 @@ const LONGEST_GAP: Span = Span::from_nanoseconds(300_000_000);
 const INDEPENDENT_S: f64 = 0.5;
 /// A frame fits where its delays weigh so much in the mean.
 const FITS: f64 = 0.3;
+/// Times that the least mean cost is looked for, each from the one before (Dinkelbach 1967).
+const ROUNDS: usize = 4;
+/// Starts are at least so far apart, seconds and degrees: neighbours would lead to one minimum and hide its rivals.
+const STARTS_APART: (f64, f64) = (0.1, 7.5);
+/// How many starts there are.
+const STARTS: usize = 8;
+/// A minimum is a rival where it costs less than so much more, as independent frames count: two standard deviations.
+const RIVAL_COST: f64 = 2.0;
+/// And where its clock or turn is apart by more than this, seconds and degrees,
+const RIVAL_APART: (f64, f64) = (0.1, 5.0);
+/// and by more than so many standard deviations, which tell of what is nearer.
+const RIVAL_DEVIATIONS: f64 = 2.0;
 /// Unknowns: offset in seconds, turn in radians, shift in metres.
 const UNKNOWNS: usize = 5;
 
@@ -143,11 +158,12 @@ pub fn calibrate(
             _ => people.push(vec![sighting]),
         }
     }
-    let search = Search {
+    let mut search = Search {
         declared,
         heard,
         people,
         settings,
+        neutral: 0.0,
     };
     let frames = search.frames(0.0);
     if frames < LEAST_FRAMES {
@@ -156,20 +172,27 @@ pub fn calibrate(
             needed: LEAST_FRAMES,
         });
     }
-    let mut best: Option<(f64, crate::least_squares::Minimum)> = None;
-    for start in search.starts() {
-        if let Some(minimum) = minimize(&search, start) {
-            let cost = search.cost(&minimum.unknowns);
-            if best.as_ref().is_none_or(|(least, _)| cost < *least) {
-                best = Some((cost, minimum));
-            }
-        }
+    let mut starts = search.starts();
+    let mut minima: Vec<(f64, Minimum)> = Vec::new();
+    for _ in 0..ROUNDS {
+        minima = starts
+            .into_iter()
+            .filter_map(|start| minimize(&search, start))
+            .map(|minimum| (search.cost(&minimum.unknowns), minimum))
+            .collect();
+        minima.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let Some((_, minimum)) = minima.first() else { break };
+        search.neutral = search.mean_cost(&minimum.unknowns).unwrap_or(search.neutral);
+        starts = minima
+            .iter()
+            .map(|(_, minimum)| minimum.unknowns.clone())
+            .collect();
     }
-    let (_, minimum) = best.ok_or(CalibrateError::Singular(
+    let ((least, minimum), rivals) = minima.split_first().ok_or(CalibrateError::Singular(
         "nothing heard changes with clock, turn or place",
     ))?;
-    let unknowns = minimum.unknowns;
-    let (frames, fitting) = search.fitting(&unknowns);
+    let unknowns = &minimum.unknowns;
+    let (frames, fitting) = search.fitting(unknowns);
     let share = fitting as f64 / frames.max(1) as f64;
     if share < LEAST_SHARE {
         return Err(CalibrateError::DoesNotFit {
@@ -178,24 +201,45 @@ pub fn calibrate(
             turn_deg: settings.turn_deg,
         });
     }
-    let (offset_s, turn) = (unknowns[0], unknowns[1].to_degrees());
-    if offset_s.abs() > settings.offset_s || turn.abs() > settings.turn_deg {
-        return Err(CalibrateError::Outside {
-            offset_s,
-            turn,
-            most_s: settings.offset_s,
-            most_deg: settings.turn_deg,
-        });
-    }
     // Pairs share microphones and frames overlap: so many residuals count once.
     let microphones = declared.positions().len() as f64;
     let inflation = (microphones / 2.0 * INDEPENDENT_S / HOP_S).max(1.0);
     let deviation = |at: usize| (minimum.covariance[(at, at)] * inflation).max(0.0).sqrt();
+    let (offset_s, turn) = (unknowns[0], unknowns[1].to_degrees());
+    let (offset_deviation_s, turn_deviation) = (deviation(0), deviation(1).to_degrees());
+    // One that may as well lie beyond the border is not told from those that were not searched.
+    if offset_s.abs() + offset_deviation_s > settings.offset_s
+        || turn.abs() + turn_deviation > settings.turn_deg
+    {
+        return Err(CalibrateError::Outside {
+            offset_s,
+            offset_deviation_s,
+            turn,
+            turn_deviation,
+            most_s: settings.offset_s,
+            most_deg: settings.turn_deg,
+        });
+    }
+    let rival = rivals.iter().find(|(cost, rival)| {
+        let apart = |at: usize, least: f64| {
+            (rival.unknowns[at] - unknowns[at]).abs() > least.max(RIVAL_DEVIATIONS * deviation(at))
+        };
+        (cost - least) / inflation < RIVAL_COST
+            && (apart(0, RIVAL_APART.0) || apart(1, RIVAL_APART.1.to_radians()))
+    });
+    if let Some((_, rival)) = rival {
+        return Err(CalibrateError::Ambiguous {
+            offset_s,
+            turn,
+            other_offset_s: rival.unknowns[0],
+            other_turn: rival.unknowns[1].to_degrees(),
+        });
+    }
     // A declared place is not made less sure by frames that repeat themselves.
     let [level, height] = settings.place_m;
     Ok(ArrayCalibration {
         offset_s: unknowns[0],
-        offset_deviation_s: deviation(0),
+        offset_deviation_s,
         turn_rad: unknowns[1],
         turn_deviation_rad: deviation(1),
         shift_m: Vector3::new(unknowns[2], unknowns[3], unknowns[4]),
@@ -214,6 +258,9 @@ struct Search<'a> {
     heard: &'a [HeardDelays],
     people: Vec<Vec<Sighting>>,
     settings: &'a SpeechSettings,
+    /// What a frame costs at whose time nobody is seen: what the others cost in the mean, so that the clock is not drawn
+    /// to where most are seen.
+    neutral: f64,
 }
 
 /// The array after a change of turn and place.
@@ -287,7 +334,7 @@ impl Search<'_> {
         frame: &HeardDelays,
         offset_s: f64,
     ) -> (f64, Option<(WorldPoint, Matrix3<f64>)>) {
-        let mut best = (0.5 * frame.delays_s.len() as f64, None);
+        let mut best = (self.neutral, None);
         for (mouth, covariance) in self.mouths(frame, offset_s) {
             let residuals = self.residuals(array, frame, mouth, covariance);
             let cost: f64 = residuals.map(|r| 0.5 * r * r / (1.0 + r * r)).sum();
@@ -303,8 +350,23 @@ impl Search<'_> {
         0.5 * ((unknowns[2] / level).powi(2) + (unknowns[3] / level).powi(2) + (unknowns[4] / height).powi(2))
     }
 
-    /// The most promising clocks and turns.
-    fn starts(&self) -> Vec<DVector<f64>> {
+    /// What a frame with somebody seen costs in the mean; none where there are too few.
+    fn mean_cost(&self, unknowns: &DVector<f64>) -> Option<f64> {
+        let array = moved(self.declared, unknowns.as_slice())?;
+        let costs = self
+            .heard
+            .iter()
+            .map(|frame| self.best(&array, frame, unknowns[0]));
+        let (mut sum, mut count) = (0.0, 0);
+        for (cost, _) in costs.filter(|(_, mouth)| mouth.is_some()) {
+            sum += cost;
+            count += 1;
+        }
+        (count >= LEAST_FRAMES).then(|| sum / f64::from(count as u32))
+    }
+
+    /// The most promising clocks and turns: those with the least cost of a frame. Sets the neutral cost by the best.
+    fn starts(&mut self) -> Vec<DVector<f64>> {
         let steps = |most: f64, step: f64| {
             let count = (most / step).floor() as i64;
             (-count..=count).map(move |number| number as f64 * step)
@@ -313,11 +375,24 @@ impl Search<'_> {
         for turn_deg in steps(self.settings.turn_deg, 2.5) {
             for offset_s in steps(self.settings.offset_s, 0.04) {
                 let unknowns = DVector::from_vec(vec![offset_s, turn_deg.to_radians(), 0.0, 0.0, 0.0]);
-                found.push((self.cost(&unknowns), unknowns));
+                if let Some(cost) = self.mean_cost(&unknowns) {
+                    found.push((cost, unknowns));
+                }
             }
         }
         found.sort_by(|one, other| one.0.total_cmp(&other.0));
-        found.into_iter().take(6).map(|(_, unknowns)| unknowns).collect()
+        self.neutral = found.first().map_or(0.0, |(cost, _)| *cost);
+        let mut starts: Vec<DVector<f64>> = Vec::new();
+        for (_, unknowns) in found {
+            let near = |start: &DVector<f64>| {
+                (start[0] - unknowns[0]).abs() < STARTS_APART.0
+                    && (start[1] - unknowns[1]).abs() < STARTS_APART.1.to_radians()
+            };
+            if starts.len() < STARTS && !starts.iter().any(near) {
+                starts.push(unknowns);
+            }
+        }
+        starts
     }
 
     /// Frames with somebody seen, and those that fit.
@@ -517,6 +592,60 @@ mod tests {
         let found = calibrate(&ring(), &heard, &seen, &narrow).err();
         assert!(
             matches!(found, Some(CalibrateError::Outside { offset_s, .. }) if offset_s > 0.06),
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn an_answer_that_reaches_beyond_the_search_is_none() {
+        let (array, wrong) = truth();
+        let (heard, seen) = (heard(&array, wrong[0]), sightings(0.05));
+        let free = calibrate(&ring(), &heard, &seen, &SpeechSettings::default()).unwrap();
+        let border = |deviations: f64| SpeechSettings {
+            offset_s: free.offset_s + deviations * free.offset_deviation_s,
+            ..SpeechSettings::default()
+        };
+        let found = calibrate(&ring(), &heard, &seen, &border(0.5)).err();
+        assert!(
+            matches!(found, Some(CalibrateError::Outside { offset_s, .. }) if offset_s < border(0.5).offset_s),
+            "{found:?}"
+        );
+        let found = calibrate(&ring(), &heard, &seen, &border(1.5));
+        assert!(found.is_ok(), "{found:?}");
+    }
+
+    #[test]
+    fn who_walks_around_the_array_one_way_looks_the_same_late_as_turned() {
+        let place = |seconds: f64| {
+            let angle = 0.7 * seconds;
+            WorldPoint::new(1.6 * angle.cos(), 1.6 * angle.sin(), 1.5)
+        };
+        let seen: Vec<Sighting> = (0..150_i32)
+            .map(|tick| Sighting {
+                time: Instant::ZERO + Span::from_seconds(f64::from(tick) * 0.1),
+                person: 1,
+                mouth: place(f64::from(tick) * 0.1),
+                covariance: Matrix3::identity() * 0.02_f64.powi(2),
+            })
+            .collect();
+        let heard: Vec<HeardDelays> = (0..200_i32)
+            .map(|tick| {
+                let seconds = 1.0 + f64::from(tick) * 0.064;
+                let delays_s = ring().pairs().map(|pair| pair.delay_s(place(seconds))).collect();
+                HeardDelays::new(Instant::ZERO + Span::from_seconds(seconds), delays_s)
+            })
+            .collect();
+        let found = calibrate(&ring(), &heard, &seen, &SpeechSettings::default()).err();
+        println!("{found:?}");
+        assert!(
+            matches!(
+                found,
+                Some(
+                    CalibrateError::Ambiguous { .. }
+                        | CalibrateError::Outside { .. }
+                        | CalibrateError::Singular(_)
+                )
+            ),
             "{found:?}"
         );
     }
