@@ -121,6 +121,13 @@ impl Fuser {
                 verdict: Verdict::Open,
             });
         }
+        if self.settings.weights == WeightRule::Printed {
+            // Equation 8 multiplies weights moment after moment: a filter that does so must resample when few are left.
+            let Belief {
+                particles, generator, ..
+            } = &mut *belief;
+            particles.resample_below(0.5, Resampling::Systematic, generator)?;
+        }
         let prediction = work.predict(belief, &motion, self.settings.weights)?;
         self.run_trackers(work, belief, sight, &motion, &prediction)?;
         match self.settings.proposal {
@@ -163,6 +170,9 @@ impl Fuser {
                 .colour
                 .track(&mut state.colour, sight.camera.bins(), model)
                 .unwrap_or(None);
+        }
+        for proposed in &mut work.proposed[..2] {
+            *proposed = proposed.take().and_then(|own| sized(&own, &prediction.places));
         }
         let fix = sight.array.and_then(|array| self.sound_fix(array));
         if let Some(fix) = fix {
@@ -566,6 +576,17 @@ impl Work {
         }
         reliabilities
     }
+}
+
+/// A proposal with what was predicted of the size taken in. Sizes change slowly, and neither outlines nor colours know
+/// them half as well: of hypotheses of all the sizes that they leave open most would be wasted.
+fn sized(proposed: &Gaussian<3>, predicted: &Gaussian<3>) -> Option<Gaussian<3>> {
+    let (mut mean, mut covariance) = (*proposed.mean(), *proposed.covariance());
+    let column = covariance.column(2).into_owned();
+    let gain = column / (column[2] + predicted.covariance()[(2, 2)]);
+    mean += gain * (predicted.mean()[2] - mean[2]);
+    covariance -= gain * column.transpose();
+    Gaussian::new(mean, 0.5 * (covariance + covariance.transpose())).ok()
 }
 
 /// The person's own detection as a Gaussian: a tenth of the head's width off, and as much of its size.

@@ -29,9 +29,16 @@ pub(super) const OPEN: &str = "fused, open loop";
 pub(super) const PRINTED: &str = "fused, eq. 8 printed";
 pub(super) const OURS: &str = "fused, beyond the paper";
 /// Fewer hypotheses from the trackers' mixture.
-pub(super) const FEWER: [(&str, usize); 3] = [("fused 25", 25), ("fused 50", 50), ("fused 100", 100)];
+pub(super) const FEWER: [(&str, usize); 4] = [
+    ("fused 12", 12),
+    ("fused 25", 25),
+    ("fused 50", 50),
+    ("fused 100", 100),
+];
 /// Hypotheses from the transition prior.
-pub(super) const PRIOR: [(&str, usize); 7] = [
+pub(super) const PRIOR: [(&str, usize); 9] = [
+    ("prior 12", 12),
+    ("prior 25", 25),
     ("prior 50", 50),
     ("prior 100", 100),
     ("prior 200", 200),
@@ -150,14 +157,9 @@ fn offset(own: &BoxRecord, head: &BoxRecord) -> f64 {
 
 fn metrics(looks: &[Look]) -> BTreeMap<String, f64> {
     let mut metrics = BTreeMap::new();
-    let mut lost_once: Option<f64> = None;
     for (name, from, until) in EVENTS {
         if let Some(lost) = lost(looks, from, until) {
-            let lost = f64::from(u8::from(lost));
-            metrics.insert(format!("lost_{name}"), lost);
-            if name != "turn" {
-                lost_once = Some(lost_once.map_or(lost, |before: f64| before.max(lost)));
-            }
+            metrics.insert(format!("lost_{name}"), f64::from(u8::from(lost)));
         }
     }
     let mut add = |name: String, value: Option<f64>| {
@@ -165,7 +167,10 @@ fn metrics(looks: &[Look]) -> BTreeMap<String, f64> {
             metrics.insert(name, value);
         }
     };
-    add("lost".into(), lost_once);
+    add(
+        "lost".into(),
+        lost_anywhere(looks).map(|lost| f64::from(u8::from(lost))),
+    );
     let calm = || {
         looks
             .iter()
@@ -224,6 +229,16 @@ fn metrics(looks: &[Look]) -> BTreeMap<String, f64> {
     metrics
 }
 
+/// Whether a head is lost between when it is found and the end of the hand's sweep; none where it is not found before that.
+/// Who loses it before the jerk has lost it too.
+fn lost_anywhere(looks: &[Look]) -> Option<bool> {
+    let until = EVENTS[1].2 + LOST_FRAMES;
+    let judged = &looks[..until.min(looks.len())];
+    let first = judged.iter().position(|look| look.overlap >= LEAST_OVERLAP)?;
+    let off = |looks: &[Look]| looks.iter().all(|look| look.overlap < LEAST_OVERLAP);
+    Some(judged[first..].windows(LOST_FRAMES).any(off))
+}
+
 /// Whether a head that was followed is lost in an event; none where it was not followed before.
 fn lost(looks: &[Look], from: usize, until: usize) -> Option<bool> {
     let before = looks.get(from.saturating_sub(8)..from)?;
@@ -266,6 +281,11 @@ mod tests {
         assert_eq!(metrics["lost_jerk"], 1.0);
         assert_eq!(metrics["lost"], 1.0);
         assert!(!metrics.contains_key("lost_hand"));
+        looks[165] = look(0.7);
+        assert_eq!(lost_anywhere(&looks), Some(false));
+        looks[100..110].fill(look(0.1));
+        assert_eq!(lost_anywhere(&looks), Some(true), "before any event");
+        assert_eq!(lost_anywhere(&vec![look(0.0); 700]), None);
         assert!((metrics["error"] - 0.1).abs() < 1e-9);
     }
 
