@@ -398,6 +398,12 @@ impl ThreeMics {
                     if let Some(best) = sound.best(response).filter(|_| followed) {
                         for Sight { identity, line } in &self.sights {
                             let place = self.places.iter().find(|place| place.identity == *identity);
+                            // What looks like a face below the floor or above heads says nothing.
+                            let height_m = place.map(|place| place.estimate.mean.0.z - self.floor_m);
+                            let [low_m, high_m] = self.parameters.association.height_m;
+                            if height_m.is_some_and(|height_m| !(low_m..=high_m).contains(&height_m)) {
+                                continue;
+                            }
                             let below = log_likelihood_at(line, place, response) - best;
                             self.fits.push((*identity, f64::from(below.min(0.0))));
                         }

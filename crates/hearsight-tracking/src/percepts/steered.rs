@@ -1,6 +1,6 @@
 //! What a whole array hears: the steered response of all its pairs, frame by frame, and whether there is sound.
 //!
-//! Frames are long (Pnevmatikakis and Talantzis take 0.27 s) and overlap; each is handed on as it fills.
+//! Frames overlap; each is handed on as it fills. Pnevmatikakis and Talantzis take 0.27 s, in which a turn may begin and end.
 
 use hearsight_audio::AudioError;
 use hearsight_audio::activity::{ActivityDetector, ActivitySettings};
@@ -18,9 +18,9 @@ use std::ops::Range;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SteeredArraySettings {
-    /// Length of a frame, seconds, 0.01 to 2. Default 0.27 (L). Raising it makes directions surer and later.
+    /// Length of a frame, seconds, 0.01 to 2. Default 0.15; the paper's is 0.27 (L). Raising it makes directions surer and later.
     pub frame_s: f64,
-    /// Time from one frame to the next, seconds, at most `frame_s`. Default 0.08.
+    /// Time from one frame to the next, seconds, at most `frame_s`. Default 0.05.
     pub hop_s: f64,
     /// How frames become scores of points.
     pub response: SteeredSettings,
@@ -40,8 +40,8 @@ pub struct SteeredArraySettings {
 impl Default for SteeredArraySettings {
     fn default() -> Self {
         Self {
-            frame_s: 0.27,
-            hop_s: 0.08,
+            frame_s: 0.15,
+            hop_s: 0.05,
             response: SteeredSettings::default(),
             noise: NoiseSettings {
                 smoothing_s: 0.1,

@@ -12,9 +12,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ActivitySettings {
-    /// Mean time for which somebody speaks, or nobody, seconds. Default 1.5. Raising it switches later and more rarely.
+    /// Mean time for which somebody speaks, or nobody, seconds. Default 0.6. Raising it switches later and more rarely.
     pub turn_s: f64,
-    /// Time over which frames count once, since they overlap and err together, seconds. Default 0.1.
+    /// Time over which frames count once, since they overlap and err together, seconds. Default 0.07.
     pub independent_s: f64,
     /// Logarithm of the likelihood ratio, a face over nobody, of a perfect fit, above 0. Default 2.
     pub fit: f64,
@@ -31,8 +31,8 @@ pub struct ActivitySettings {
 impl Default for ActivitySettings {
     fn default() -> Self {
         Self {
-            turn_s: 1.5,
-            independent_s: 0.1,
+            turn_s: 0.6,
+            independent_s: 0.07,
             fit: 2.0,
             edge: -0.5,
             apart: -2.5,
@@ -165,7 +165,7 @@ impl Activity {
 mod tests {
     use super::*;
 
-    const HOP: Span = Span::from_nanoseconds(80_000_000);
+    const HOP: Span = Span::from_nanoseconds(50_000_000);
 
     fn hear(activity: &mut Activity, heard: Heard<'_>, frames: usize) {
         for _ in 0..frames {
