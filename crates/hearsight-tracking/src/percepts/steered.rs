@@ -319,3 +319,72 @@ fn leave_out_noise(spectra: &mut Spectra, powers: &[f32], noise: &[f32], gate: f
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hearsight_core::{Instant, Span, WorldPoint};
+
+    const RATE_HZ: u32 = 16_000;
+    const BLOCK: usize = 1600;
+
+    /// Whether each frame of seconds 0 to 12 counts as voice: noise as from a fan, and from 3 s to 9 s the syllables of
+    /// somebody who does not stop, in a room that never lets them die away by more than 8 dB.
+    fn voices() -> Vec<(f64, bool)> {
+        let array = ArraySensor {
+            name: "pair".into(),
+            rate_hz: RATE_HZ,
+            channels: 2,
+            microphones: vec![WorldPoint::new(-0.1, 0.0, 1.0), WorldPoint::new(0.1, 0.0, 1.0)],
+            camera: None,
+        };
+        let mut percepts = SteeredPercepts::new(&SteeredArraySettings::default(), &array, 343.0).unwrap();
+        let mut state = 1_u32;
+        let mut noise = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / 8_388_608.0 - 1.0
+        };
+        let (mut low, mut voices) = (0.0, Vec::new());
+        for block in 0..120 {
+            let samples: Vec<f32> = (0..BLOCK)
+                .map(|sample| {
+                    let time_s = (block * BLOCK + sample) as f64 / f64::from(RATE_HZ);
+                    low += 0.05 * (noise() - low);
+                    let syllable = 0.5 - 0.5 * (std::f64::consts::TAU * 4.0 * time_s).cos();
+                    let is_speech = (3.0..9.0).contains(&time_s);
+                    let level = if is_speech {
+                        0.002 + 0.003 * syllable as f32
+                    } else {
+                        0.0
+                    };
+                    0.005 * low + 0.0005 * noise() + level * noise()
+                })
+                .collect();
+            let block = AudioBlock {
+                time: Instant::ZERO + Span::from_seconds(block as f64 * 0.1),
+                rate_hz: RATE_HZ,
+                channels: vec![samples.clone(), samples],
+            };
+            percepts.hear(Some(&block), |_, frame| {
+                voices.push((frame.time.seconds(), frame.active));
+            });
+        }
+        voices
+    }
+
+    #[test]
+    fn speech_without_a_pause_stays_voice_and_noise_is_none() {
+        let voices = voices();
+        let share = |from: f64, until: f64| {
+            let within: Vec<bool> = voices
+                .iter()
+                .filter(|(time_s, _)| (from..until).contains(time_s))
+                .map(|(_, active)| *active)
+                .collect();
+            within.iter().filter(|active| **active).count() as f64 / within.len() as f64
+        };
+        assert!(share(1.0, 2.8) < 0.05, "{}", share(1.0, 2.8));
+        assert!(share(3.2, 8.9) > 0.9, "{}", share(3.2, 8.9));
+        assert!(share(9.5, 12.0) < 0.05, "{}", share(9.5, 12.0));
+    }
+}

@@ -53,3 +53,73 @@ pub fn log_likelihood_at(sight: &SightLine, place: Option<&Place>, response: &mu
         .map(|(score, prior)| response.log_likelihood(*score) + prior)
         .fold(f32::NEG_INFINITY, f32::max)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hearsight_audio::Complex;
+    use hearsight_audio::steered_response::SteeredSettings;
+    use hearsight_core::microphones::MicrophoneArray;
+    use hearsight_core::{Ray, WorldPoint};
+    use nalgebra::Unit;
+    use std::f64::consts::TAU;
+
+    const LENGTH: usize = 2048;
+    const RATE_HZ: u32 = 16_000;
+
+    /// The response of three microphones in a line to a white sound, without walls.
+    fn response_to(source: WorldPoint) -> SteeredResponse {
+        let at = |place: i32| WorldPoint::new(0.2 * f64::from(place), 0.0, 1.0);
+        let array = MicrophoneArray::new((-1..=1).map(at).collect()).unwrap();
+        let mut response = SteeredResponse::new(&array, LENGTH, RATE_HZ, SteeredSettings::default()).unwrap();
+        let channel = |position: &WorldPoint| {
+            let lag = source.distance_m(*position) / 343.0 * f64::from(RATE_HZ);
+            let mut phase: f64 = 0.37;
+            let mut bin = |k: usize| {
+                phase = (phase * 997.0 + 0.123).fract();
+                Complex::from_polar(1.0, (TAU * (phase - k as f64 * lag / LENGTH as f64)) as f32)
+            };
+            (0..=LENGTH / 2).map(&mut bin).collect::<Vec<_>>()
+        };
+        let channels: Vec<Vec<Complex>> = array.positions().iter().map(channel).collect();
+        response.observe(&channels).unwrap();
+        response
+    }
+
+    fn sight(mouth: WorldPoint, range_error_m: f64) -> SightLine {
+        let camera = WorldPoint::new(-1.5, 0.2, 1.7);
+        let direction = Unit::new_normalize(mouth.0 - camera.0);
+        SightLine {
+            ray: Ray {
+                origin: camera,
+                direction,
+            },
+            deviation_rad: 0.005,
+            width_per_metre: 0.06,
+            range_m: Some((camera.distance_m(mouth) + range_error_m, 0.3)),
+        }
+    }
+
+    #[test]
+    fn who_speaks_explains_the_frame_and_a_neighbour_does_not() {
+        let (speaker, neighbour) = (WorldPoint::new(0.4, 2.2, 1.2), WorldPoint::new(-0.5, 2.3, 1.2));
+        let mut response = response_to(speaker);
+        let score = response.score(speaker);
+        let best = response.log_likelihood(score);
+        // The range from a face's width is wrong by more than a hand.
+        for range_error_m in [-0.3, 0.0, 0.3] {
+            let theirs = log_likelihood_at(&sight(speaker, range_error_m), None, &mut response);
+            let other = log_likelihood_at(&sight(neighbour, range_error_m), None, &mut response);
+            assert!(
+                theirs > best - 1.5 && other < best - 4.0,
+                "{theirs} {other} {best}"
+            );
+        }
+        // Nothing is known of the range: the whole line is asked.
+        let unknown = SightLine {
+            range_m: None,
+            ..sight(speaker, 0.0)
+        };
+        assert!(log_likelihood_at(&unknown, None, &mut response) > best - 4.0);
+    }
+}
