@@ -27,8 +27,10 @@ const HEIGHT: usize = 240;
 const RATE_HZ: u32 = 16_000;
 const PICTURES_S: usize = 15;
 /// Pictures in which people appear and become tracks, and those that are measured.
-const FIRST: usize = 60;
+const FIRST: usize = 150;
 const MEASURED: usize = 150;
+/// From this picture on people are there.
+const APPEAR: usize = 30;
 
 fn main() -> Result<(), Failure> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -155,7 +157,7 @@ fn sound(number: usize) -> AudioBlock {
     let channel = |late: usize, microphone: usize| {
         (from..until)
             .map(|k| {
-                let loud = if number > FIRST / 2 && (k / 3200) % 4 != 3 {
+                let loud = if number > APPEAR && (k / 3200) % 4 != 3 {
                     0.2
                 } else {
                     0.0
@@ -173,7 +175,7 @@ fn sound(number: usize) -> AudioBlock {
 }
 
 fn moment(number: usize, people: usize) -> Moment {
-    let here = if number < FIRST / 2 { 0 } else { people };
+    let here = if number < APPEAR { 0 } else { people };
     Moment {
         tick: number as u64,
         time: time_of(number),
@@ -271,8 +273,12 @@ fn verifier(name: &str, count: usize) -> Result<(), Failure> {
     };
     let room = room()?;
     let mut heard = ArrayPercepts::new(listened, &room.arrays[0], room.speed_of_sound_m_s)?;
-    for number in 0..FIRST {
+    // To the middle of a burst.
+    for number in 0..FIRST + 3 {
         heard.hear(Some(&sound(number)));
+    }
+    if !heard.has_onset() {
+        return Err("nothing is heard".into());
     }
     seen.see(&picture(FIRST, 6));
     let [x, y] = place(1, FIRST);
