@@ -122,12 +122,14 @@ pub(crate) fn unheard(room: &Room) -> Vec<String> {
 }
 
 impl Ears {
-    /// The ears of the array that is paired with `camera`, where there is one whose places are known.
+    /// The ears of the array that is paired with `camera`, where there is one whose places are known. `all_round` says
+    /// whether its picture is of a full turn; the camera itself, widened, no longer tells.
     ///
     /// # Errors
     /// [`SystemError::Parameters`] where a setting is out of its range.
     pub(crate) fn of(
         camera: usize,
+        all_round: bool,
         room: &Room,
         settings: Option<ArraySettings>,
         system: &'static str,
@@ -145,8 +147,7 @@ impl Ears {
             .position(|array| array.camera == Some(camera) && is_placed(array));
         let array = paired.map(|index| (index, room.arrays[index].name.clone()));
         // One pair cannot tell front from back: a picture that goes all round is listened to with all.
-        let turn = room.cameras[camera].calibration.as_ref().and_then(Turn::of);
-        let all = |index: usize| turn.is_some() && ArrayPercepts::hears_around(&room.arrays[index]);
+        let all = |index: usize| all_round && ArrayPercepts::hears_around(&room.arrays[index]);
         let settings = ArraySettings {
             pairs: if paired.is_some_and(all) {
                 Pairs::All
@@ -204,7 +205,7 @@ impl Views {
             .collect();
         let room = &widened(room, &turns);
         for (camera, sensor) in room.cameras.iter().enumerate() {
-            let ears = Ears::of(camera, room, audio, name)?;
+            let ears = Ears::of(camera, turns[camera].is_some(), room, audio, name)?;
             let Plan {
                 composition,
                 seen,

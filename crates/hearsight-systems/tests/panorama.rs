@@ -74,14 +74,20 @@ fn columns(tick: usize) -> Vec<f32> {
 
 fn moment(tick: usize, talker: Option<usize>) -> Moment {
     let columns = columns(tick);
+    let mouth = talker.and_then(|talker| columns.get(talker)).copied();
+    moment_of(tick, &columns, mouth)
+}
+
+/// People at `columns`, and the voice of somebody at `mouth`, seen or not.
+fn moment_of(tick: usize, columns: &[f32], mouth: Option<f32>) -> Moment {
     let people: Vec<Person> = columns
         .iter()
         .zip([RED, BLUE])
         .flat_map(|(x, shirt)| [-TURN, 0.0, TURN].map(|turn| Person { x: x + turn, shirt }))
         .collect();
     let frame = picture(tick, &people);
-    let mouth = talker.and_then(|talker| columns.get(talker)).map(|column| {
-        let pixel = DistortedPixel::new(f64::from(*column), 100.0);
+    let mouth = mouth.map(|column| {
+        let pixel = DistortedPixel::new(f64::from(column), 100.0);
         camera().ray(pixel).unwrap().at(2.0)
     });
     let count = 640;
@@ -125,15 +131,18 @@ fn apart(a: f32, b: f32) -> f32 {
     apart.min(TURN - apart)
 }
 
+/// Nobody in these pictures has a face.
+fn parameters(name: &str) -> serde_json::Value {
+    match name {
+        "closed-loop" => json!({ "faces": { "cascades": [] } }),
+        _ => json!({}),
+    }
+}
+
 #[test]
 fn a_person_who_crosses_the_seam_stays_one_track_and_is_heard() {
     for name in ["closed-loop", "stac"] {
-        let parameters = if name == "stac" {
-            json!({})
-        } else {
-            json!({ "faces": { "cascades": [] } })
-        };
-        let mut system = build(name, &parameters, &room(), 1).unwrap();
+        let mut system = build(name, &parameters(name), &room(), 1).unwrap();
         let mut scene = Scene::default();
         let mut numbers = std::collections::BTreeSet::new();
         let (mut right, mut asked, mut heard) = (0, 0, 0);
@@ -174,5 +183,27 @@ fn a_person_who_crosses_the_seam_stays_one_track_and_is_heard() {
         // A third of it is pauses and the beginnings of turns.
         assert!(right * 3 >= asked * 2, "{name}: {right} of {asked}");
         assert!(heard > 20, "{name}: {heard}");
+    }
+}
+
+#[test]
+fn voices_are_heard_where_they_are_all_round_though_nobody_is_seen() {
+    for name in ["closed-loop", "stac"] {
+        let mut system = build(name, &parameters(name), &room(), 1).unwrap();
+        let mut scene = Scene::default();
+        let (mut heard, mut right) = (0, 0);
+        for tick in 0..400 {
+            // One pair alone takes half of these for their mirror images.
+            let column = 10.0 + 40.0 * (tick / 50) as f32;
+            let talks = tick % 50 >= 10;
+            system.step(&moment_of(tick, &[], talks.then_some(column)), &mut scene);
+            let sound = scene.sounds.first().and_then(|sound| sound.column_px);
+            if let Some(sound) = sound.filter(|_| tick % 50 >= 20) {
+                heard += 1;
+                right += usize::from(apart(sound as f32, column) < 8.0);
+            }
+        }
+        assert!(heard >= 40, "{name}: {heard}");
+        assert!(right * 10 >= heard * 9, "{name}: {right} of {heard}");
     }
 }
