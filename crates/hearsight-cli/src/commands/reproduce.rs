@@ -13,7 +13,8 @@ Examples:
   hearsight reproduce stac --quick             short scenes, few seeds: under two minutes
   hearsight reproduce stac                     the whole experiment; Ctrl-C puts it aside, the same command goes on
   hearsight reproduce stac --json claims.json  and the verdicts for programs
-  hearsight reproduce stac --seeds 40 --out /tmp/stac";
+  hearsight reproduce stac --seeds 40 --out /tmp/stac
+  hearsight reproduce closed-loop --scene beyond --seeds 2";
 
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
@@ -27,6 +28,9 @@ pub(crate) struct Arguments {
     /// Seeds of each scene. Default: the experiment's own number.
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u64).range(1..=10_000))]
     seeds: Option<u64>,
+    /// Run this scene alone; may be given again. Claims about others are left out.
+    #[arg(long, value_name = "NAME")]
+    scene: Vec<String>,
     /// Write the claims to this file: id, statement, paper, ours, interval, seeds, holds, cause.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -71,6 +75,7 @@ pub(crate) fn run(arguments: &Arguments) -> miette::Result<Code> {
             Extent::Full
         },
         seeds: arguments.seeds,
+        scenes: &arguments.scene,
         threads: arguments.threads,
         log: &log,
         stop: &interrupt::flag(),
@@ -85,6 +90,9 @@ pub(crate) fn run(arguments: &Arguments) -> miette::Result<Code> {
         return Ok(Code::Interrupted);
     };
     let mut report = (experiment.judge)(&results);
+    if !arguments.scene.is_empty() {
+        report.claims.retain(|claim| claim.seeds > 0);
+    }
     claim::explain(&mut report.claims, experiment.causes);
     if let Some(path) = &arguments.json {
         write_claims(&report.claims, path)?;

@@ -4,7 +4,7 @@
 //! the executable, since a changed tracker measures something else.
 
 use super::{Experiment, Extent, Measured, Trial};
-use miette::{Context, IntoDiagnostic};
+use miette::{Context, IntoDiagnostic, miette};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::fs::{File, OpenOptions};
@@ -20,6 +20,8 @@ pub(crate) struct Options<'a> {
     pub(crate) extent: Extent,
     /// Seeds a scene instead of the experiment's own number.
     pub(crate) seeds: Option<u64>,
+    /// Names of the scenes that are run; all where none is named.
+    pub(crate) scenes: &'a [String],
     /// Threads; 0 is one a processor.
     pub(crate) threads: usize,
     /// Where trials are kept.
@@ -78,7 +80,7 @@ pub(crate) fn run(
     options: &Options<'_>,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> miette::Result<Option<Results>> {
-    let wanted = wanted(experiment, options);
+    let wanted = wanted(experiment, options)?;
     let fingerprint = fingerprint()?;
     let mut done = read_log(options.log, &fingerprint)?;
     done.retain(|(trial, _)| wanted.contains(trial));
@@ -118,9 +120,21 @@ pub(crate) fn run(
     Ok((done.len() == wanted.len()).then(|| Results::new(done)))
 }
 
-fn wanted(experiment: &Experiment, options: &Options<'_>) -> Vec<Trial> {
-    let scenes = (experiment.scenes)(options.extent);
-    scenes
+fn wanted(experiment: &Experiment, options: &Options<'_>) -> miette::Result<Vec<Trial>> {
+    let mut scenes = (experiment.scenes)(options.extent);
+    if let Some(unknown) = options
+        .scenes
+        .iter()
+        .find(|name| scenes.iter().all(|(scene, _)| scene != name))
+    {
+        let names: Vec<&str> = scenes.iter().map(|(scene, _)| *scene).collect();
+        return Err(miette!(
+            "the experiment has no scene `{unknown}`; it has: {}",
+            names.join(", ")
+        ));
+    }
+    scenes.retain(|(scene, _)| options.scenes.is_empty() || options.scenes.iter().any(|name| name == scene));
+    let trials = scenes
         .iter()
         .flat_map(|(scene, seeds)| {
             (1..=options.seeds.unwrap_or(*seeds)).map(|seed| Trial {
@@ -129,7 +143,8 @@ fn wanted(experiment: &Experiment, options: &Options<'_>) -> Vec<Trial> {
                 quick: options.extent == Extent::Quick,
             })
         })
-        .collect()
+        .collect();
+    Ok(trials)
 }
 
 /// What distinguishes this very program from others.
@@ -241,6 +256,7 @@ mod tests {
         let options = |seeds| Options {
             extent: Extent::Quick,
             seeds,
+            scenes: &[],
             threads: 2,
             log: &log,
             stop: &stop,
@@ -256,6 +272,21 @@ mod tests {
         let results = run(&EXPERIMENT, &options(Some(4)), &|_, _| ()).unwrap().unwrap();
         assert_eq!(results.values("near", "error", "plain"), [1.0, 2.0, 3.0, 4.0]);
         assert_eq!(RUNS.load(Ordering::Relaxed), 5 + 1 + 3);
+        let far = ["far".to_owned()];
+        let one = Options {
+            scenes: &far,
+            ..options(None)
+        };
+        let results = run(&EXPERIMENT, &one, &|_, _| ()).unwrap().unwrap();
+        assert!(results.values("near", "error", "plain").is_empty());
+        assert_eq!(results.values("far", "error", "plain"), [2.0, 4.0]);
+        let nowhere = ["nowhere".to_owned()];
+        let unknown = Options {
+            scenes: &nowhere,
+            ..options(None)
+        };
+        let error = run(&EXPERIMENT, &unknown, &|_, _| ()).unwrap_err().to_string();
+        assert!(error.contains("`nowhere`; it has: near, far"), "{error}");
         stop.store(true, Ordering::Relaxed);
         assert!(run(&EXPERIMENT, &options(Some(5)), &|_, _| ()).unwrap().is_none());
     }
