@@ -67,6 +67,7 @@ pub(super) fn bands(_: &Inputs) -> Result<Work, Failure> {
         let noise = PairNoise {
             first: &floor,
             second: &floor,
+            cross: None,
         };
         let done = analyzer
             .transform(&first, &mut x)

@@ -67,6 +67,7 @@ fn three_bands_of_a_pair(bencher: divan::Bencher<'_, '_>) {
         let floors = PairNoise {
             first: &floor,
             second: &floor,
+            cross: None,
         };
         analyzer.transform(&first[..1536], &mut x).is_ok()
             && analyzer.transform(&second[..1536], &mut y).is_ok()

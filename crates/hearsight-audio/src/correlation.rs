@@ -146,7 +146,7 @@ impl Correlator {
         check_shape("bins of the second spectrum", bins, second.len())?;
         let coefficient = self.settings.normalization == Normalization::Coefficient;
         if self.settings.weighting == Weighting::Phat && !coefficient {
-            self.whiten(first, second, emphasis)?;
+            self.whiten(first, second, noise.and_then(|noise| noise.cross), emphasis)?;
             return self.invert([0.0; 2], curve);
         }
         let pair = |k: usize| {
@@ -193,6 +193,7 @@ impl Correlator {
         &mut self,
         first: &[Complex],
         second: &[Complex],
+        noise: Option<&[Complex]>,
         emphasis: Option<&[f32]>,
     ) -> Result<(), AudioError> {
         for ((weighted, x), y) in self.weighted.iter_mut().zip(first).zip(second) {
@@ -204,6 +205,12 @@ impl Correlator {
                 0.0
             };
             *weighted = Complex::new(re * scale, im * scale);
+        }
+        if let Some(noise) = noise {
+            check_shape("bins of the noise of the pair", first.len(), noise.len())?;
+            for (weighted, noise) in self.weighted.iter_mut().zip(noise) {
+                *weighted -= noise;
+            }
         }
         if let Some(emphasis) = emphasis {
             check_shape("bins of the emphasis", first.len(), emphasis.len())?;
@@ -233,6 +240,9 @@ impl Correlator {
                 bins,
                 noise.second.len(),
             )?;
+            if let Some(cross) = noise.cross {
+                check_shape("bins of the noise of the pair", bins, cross.len())?;
+            }
         }
         if let Some(emphasis) = emphasis {
             check_shape("bins of the emphasis", bins, emphasis.len())?;
@@ -245,10 +255,13 @@ impl Correlator {
                 self.weighted[k] = Complex::default();
                 continue;
             }
-            let (cross, powers) = pair(k);
+            let (mut cross, powers) = pair(k);
             let noises = noise.map_or([0.0; 2], |noise| [noise.first[k], noise.second[k]]);
             let magnitude = cross.norm_sqr().sqrt();
             let weight = emphasis * weighting.weight(magnitude, powers, noises);
+            if let Some(noise) = noise.and_then(|noise| noise.cross) {
+                cross -= noise[k] * magnitude;
+            }
             self.weighted[k] = cross * weight;
             if summed {
                 let count = if k == 0 || k + 1 == bins {

@@ -24,6 +24,7 @@ pub mod activity;
 pub mod agreement;
 pub mod bands;
 pub mod bearing;
+pub mod coherence;
 pub mod correlation;
 pub mod curve;
 pub mod direct;

@@ -101,6 +101,9 @@ pub struct PairNoise<'a> {
     pub first: &'a [f32],
     /// Of microphone j.
     pub second: &'a [f32],
+    /// What the noise adds to the cross-spectrum, as a share of its magnitude: it is taken out before all is weighted. None
+    /// where the noise comes from everywhere. See [`crate::coherence`].
+    pub cross: Option<&'a [Complex]>,
 }
 
 /// Cross-spectrum and powers of a pair, averaged over frames: what [`Weighting::Scot`] and [`Weighting::Coherence`] need.

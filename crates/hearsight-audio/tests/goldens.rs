@@ -138,6 +138,7 @@ fn curves_of_one_frame() {
         let noise = Some(PairNoise {
             first: &noises[0],
             second: &noises[1],
+            cross: None,
         });
         correlator(&goldens, weighting)
             .correlate(&first, &second, noise, None, &mut curve)

@@ -216,6 +216,7 @@ fn localize(room: &Room, method: Method, chosen: &[bool], framing: Framing) -> O
             let noise = Some(PairNoise {
                 first: floors[0].power(),
                 second: floors[1].power(),
+                cross: None,
             });
             match &mut bands {
                 None => correlator

@@ -69,6 +69,7 @@ fn noisy_weightings_need_the_noise() {
         let noise = Some(PairNoise {
             first: &noise,
             second: &noise,
+            cross: None,
         });
         correlator
             .correlate(&first, &second, noise, None, &mut curve)

@@ -119,7 +119,9 @@ pub struct Parameters {
     /// The search for faces.
     pub faces: Faces,
     /// Whether people are also born from changed regions and judged by change. Default true: cascades seldom find small
-    /// faces, and none that look away. Not in the paper; false is its system, in which faces alone start trackers.
+    /// faces, and none that look away. Not in the paper; false is its system, in which faces alone start trackers. Faces
+    /// count where nothing changed too (`vision.faces.changed` is 0): people who sit there from the first picture on are
+    /// background.
     pub changes: bool,
     /// Log-likelihood of a hypothesis hidden behind somebody nearer, not positive. Default -3.
     pub hidden: f64,
@@ -129,7 +131,7 @@ pub struct Parameters {
     #[schemars(with = "Value")]
     pub vision: CameraSettings,
     /// How sound is listened to. Default: the weighting of maximum likelihood and phase transform together (Rui and
-    /// Florêncio 2003), the whole spectrum at once, every frame with sound.
+    /// Florêncio 2003), the whole spectrum at once, every frame with sound, the noise of fans taken out.
     #[schemars(with = "Value")]
     pub audio: ArraySettings,
     /// How people move on where nothing else says so. Default off: velocities are part of the state here.
@@ -163,11 +165,18 @@ impl Default for Parameters {
             changes: true,
             hidden: -3.0,
             body: HeadBoxSettings::default(),
-            vision: CameraSettings::default(),
+            vision: CameraSettings {
+                faces: FaceSettings {
+                    changed: 0.0,
+                    ..FaceSettings::default()
+                },
+                ..CameraSettings::default()
+            },
             audio: ArraySettings {
                 weighting: Weighting::MaximumLikelihood { reverberation: 0.3 },
                 bands: false,
                 onset_filter: false,
+                subtract_noise: true,
                 ..ArraySettings::default()
             },
             momentum: MomentumSettings {

@@ -7,10 +7,10 @@
 
 use super::azimuth::{AZIMUTHS, AzimuthFan, STEP_RAD, wrapped_rad};
 use super::direction::{DirectionPercept, DirectionSettings, DirectionState};
-use hearsight_audio::AudioError;
 use hearsight_audio::activity::{ActivityDetector, ActivitySettings};
 use hearsight_audio::agreement::{Agreement, AgreementSettings};
 use hearsight_audio::bands::{BandBank, BandShape, THREE_BANDS};
+use hearsight_audio::coherence::NoiseCoherence;
 use hearsight_audio::correlation::{Correlator, CorrelatorSettings};
 use hearsight_audio::curve::CorrelationCurve;
 use hearsight_audio::frames::{Frame, FrameSettings, Framer};
@@ -19,6 +19,7 @@ use hearsight_audio::onset::{OnsetFilter, OnsetSettings};
 use hearsight_audio::resample::{Resampler, ResamplerState};
 use hearsight_audio::spectrum::{Spectra, SpectrumAnalyzer, Window, power_into, transform_length};
 use hearsight_audio::weighting::{PairNoise, Weighting};
+use hearsight_audio::{AudioError, Complex};
 use hearsight_core::room::ArraySensor;
 use hearsight_core::{AudioBlock, Span, WorldPoint};
 use serde::{Deserialize, Serialize};
@@ -62,6 +63,9 @@ pub struct ArraySettings {
     pub direction: DirectionSettings,
     /// Which pairs are listened to. Default `first`.
     pub pairs: Pairs,
+    /// Whether noise that comes from somewhere, such as that of a fan, is taken out of the cross-spectra. Default false. With
+    /// it such noise is not heard between the sounds of speech; where microphones move it does harm.
+    pub subtract_noise: bool,
 }
 
 impl Default for ArraySettings {
@@ -78,6 +82,7 @@ impl Default for ArraySettings {
             activity: ActivitySettings::default(),
             direction: DirectionSettings::default(),
             pairs: Pairs::First,
+            subtract_noise: false,
         }
     }
 }
@@ -120,6 +125,7 @@ struct Remembered {
     spectra: [NoiseFloor; 2],
     onset: OnsetFilter,
     activity: ActivityDetector,
+    coherence: Option<NoiseCoherence>,
 }
 
 /// Percepts of one array.
@@ -143,7 +149,11 @@ struct Engine {
     bank: BandBank,
     agreement: Agreement,
     spectra: Spectra,
+    /// Of both microphones of the first pair, and means of both: powers, and those of the noise.
+    powers: [Vec<f32>; 2],
     power: Vec<f32>,
+    noise: Vec<f32>,
+    noise_cross: Vec<Complex>,
     curve: CorrelationCurve,
     pair_curve: CorrelationCurve,
     onset_sum: CorrelationCurve,
@@ -154,6 +164,12 @@ struct Engine {
 
 /// The rate at which sound is looked at, samples a second (stac, section 3: f_max = 6 kHz; E5).
 const RATE_HZ: u32 = 12_000;
+
+/// For how long the direction of noise is remembered, seconds of noise.
+pub(super) const NOISE_MEMORY_S: f64 = 2.0;
+
+/// The first pair, where there is no fan of pairs.
+pub(super) const FIRST_PAIR: [[usize; 2]; 1] = [[0, 1]];
 
 /// Greatest distance of two microphones that are one array, metres: beyond it memory and time grow without use.
 const FARTHEST_M: f64 = 60.0;
@@ -218,6 +234,11 @@ impl ArrayPercepts {
             ..CorrelatorSettings::new(transform, RATE_HZ, greatest_s)
         })?;
         let hop_s = frames.hop_s();
+        let pairs = fan.as_ref().map_or(1, |fan| fan.pairs().len());
+        let coherence = settings
+            .subtract_noise
+            .then(|| NoiseCoherence::new(pairs, analyzer.bins(), hop_s, NOISE_MEMORY_S))
+            .transpose()?;
         let level = NoiseFloor::of_frames(&settings.noise, hop_s, frames.length)?;
         let spectrum =
             NoiseFloor::of_spectra(&settings.noise, hop_s, analyzer.bins(), analyzer.window_energy())?;
@@ -242,6 +263,7 @@ impl ArrayPercepts {
                     spectra: [spectrum.clone(), spectrum],
                     onset: OnsetFilter::new(settings.onset)?,
                     activity: ActivityDetector::new(settings.activity)?,
+                    coherence,
                 },
             },
             direction: DirectionPercept::new(
@@ -251,6 +273,7 @@ impl ArrayPercepts {
                 array.channels,
                 greatest_s,
                 fan.clone(),
+                settings.subtract_noise,
             )?,
             fan,
             engine: Engine {
@@ -260,7 +283,10 @@ impl ArrayPercepts {
                 analyzer,
                 correlator,
                 spectra: Spectra::default(),
+                powers: Default::default(),
                 power: Vec::new(),
+                noise: Vec::new(),
+                noise_cross: Vec::new(),
                 curve: CorrelationCurve::default(),
                 pair_curve: CorrelationCurve::default(),
                 onset_sum: CorrelationCurve::default(),
@@ -462,11 +488,23 @@ impl Engine {
             let power = mean_square(&frame.channels[channel]);
             *ratio_db = remembered.levels[channel].snr_db(power);
             if frame.filled == 0 {
-                power_into(&self.spectra.channels[channel], &mut self.power);
+                let powers = &mut self.powers[channel];
+                power_into(&self.spectra.channels[channel], powers);
                 // Both cannot fail: the number of bins is that of the analyzer they were made for.
                 let _ = remembered.levels[channel].observe(&[power]);
-                let _ = remembered.spectra[channel].observe(&self.power);
+                let _ = remembered.spectra[channel].observe(powers);
             }
+        }
+        if let Some(coherence) = &mut remembered.coherence {
+            let [first, second] = remembered.spectra.each_ref().map(NoiseFloor::power);
+            mean_into([first, second], &mut self.noise);
+            // Without the powers of a frame with samples filled in nothing is known of it: those before are close.
+            if frame.filled == 0 {
+                mean_into(self.powers.each_ref().map(Vec::as_slice), &mut self.power);
+            }
+            let pairs = fan.map_or(FIRST_PAIR.as_slice(), AzimuthFan::pairs);
+            let powers = [self.power.as_slice(), &self.noise];
+            let _ = coherence.observe(&self.spectra.channels, pairs, powers, frame.filled == 0);
         }
         let class = remembered.onset.classify(&ratios_db);
         self.signal_to_noise_db = ratios_db[0].min(ratios_db[1]);
@@ -477,11 +515,13 @@ impl Engine {
         let noise = PairNoise {
             first: remembered.spectra[0].power(),
             second: remembered.spectra[1].power(),
+            cross: None,
         };
+        let coherence = remembered.coherence.as_ref();
         let wanted = class.is_onset() || !self.settings.onset_filter;
         let correlated = |engine: &mut Self| match fan {
-            Some(fan) => engine.correlate_all(fan, noise),
-            None => engine.correlate(noise),
+            Some(fan) => engine.correlate_all(fan, noise, coherence),
+            None => engine.correlate(noise, coherence),
         };
         if wanted && correlated(self).is_ok() {
             self.add_onset();
@@ -490,11 +530,17 @@ impl Engine {
 
     /// The correlations of all pairs over the azimuth. The noise is taken to be as loud at every microphone as at the first
     /// two: arrays are small against rooms.
-    fn correlate_all(&mut self, fan: &AzimuthFan, noise: PairNoise<'_>) -> Result<(), AudioError> {
+    fn correlate_all(
+        &mut self,
+        fan: &AzimuthFan,
+        noise: PairNoise<'_>,
+        coherence: Option<&NoiseCoherence>,
+    ) -> Result<(), AudioError> {
         self.curve.reset(STEP_RAD, AZIMUTHS / 2);
         let share = 1.0 / fan.pairs().len().max(1) as f32;
         for (number, pair) in fan.pairs().iter().enumerate() {
             let [first, second] = pair.map(|microphone| self.spectra.channels[microphone].as_slice());
+            let noise = with_cross(noise, coherence, number, &mut self.noise_cross);
             self.correlator
                 .correlate(first, second, Some(noise), None, &mut self.pair_curve)?;
             fan.add(number, &self.pair_curve, share, &mut self.curve);
@@ -502,18 +548,19 @@ impl Engine {
         Ok(())
     }
 
-    fn correlate_whole(&mut self, noise: PairNoise<'_>) -> Result<(), AudioError> {
-        let [first, second] = [&self.spectra.channels[0], &self.spectra.channels[1]];
-        self.correlator
-            .correlate(first, second, Some(noise), None, &mut self.curve)
-    }
-
     /// The correlation that the sound cue sees: in bands, or of the whole spectrum.
-    fn correlate(&mut self, noise: PairNoise<'_>) -> Result<(), AudioError> {
-        if !self.settings.bands {
-            return self.correlate_whole(noise);
-        }
+    fn correlate(
+        &mut self,
+        noise: PairNoise<'_>,
+        coherence: Option<&NoiseCoherence>,
+    ) -> Result<(), AudioError> {
+        let noise = with_cross(noise, coherence, 0, &mut self.noise_cross);
         let [first, second] = [&self.spectra.channels[0], &self.spectra.channels[1]];
+        if !self.settings.bands {
+            return self
+                .correlator
+                .correlate(first, second, Some(noise), None, &mut self.curve);
+        }
         self.bank
             .correlate(&mut self.correlator, first, second, Some(noise))?;
         self.agreement.combine(&self.bank, &mut self.curve)
@@ -549,6 +596,47 @@ impl Remembered {
             floor.check_saved(saved)?;
         }
         self.onset.check_saved(&saved.onset)?;
-        self.activity.check_saved(&saved.activity)
+        self.activity.check_saved(&saved.activity)?;
+        check_coherence(self.coherence.as_ref(), saved.coherence.as_ref())
     }
+}
+
+/// Checks a saved coherence of the noise against that of the settings.
+pub(super) fn check_coherence(
+    own: Option<&NoiseCoherence>,
+    saved: Option<&NoiseCoherence>,
+) -> Result<(), AudioError> {
+    match (own, saved) {
+        (Some(own), Some(saved)) => own.check_saved(saved),
+        (None, None) => Ok(()),
+        _ => Err(AudioError::State {
+            what: "whether noise is subtracted",
+        }),
+    }
+}
+
+/// The noise of a pair with its cross-spectrum, where its coherence is followed; `cross` is a buffer.
+pub(super) fn with_cross<'a>(
+    noise: PairNoise<'a>,
+    coherence: Option<&NoiseCoherence>,
+    pair: usize,
+    cross: &'a mut Vec<Complex>,
+) -> PairNoise<'a> {
+    let Some(coherence) = coherence else { return noise };
+    coherence.cross_spectrum(pair, cross);
+    PairNoise {
+        cross: Some(cross),
+        ..noise
+    }
+}
+
+/// The mean of two spectra of powers.
+pub(super) fn mean_into([first, second]: [&[f32]; 2], mean: &mut Vec<f32>) {
+    mean.clear();
+    mean.extend(
+        first
+            .iter()
+            .zip(second)
+            .map(|(first, second)| 0.5 * (first + second)),
+    );
 }

@@ -8,14 +8,17 @@
 //!
 //! Frames are short and overlap by half: they are nearly independent, and a new voice is heard soon.
 
+use super::array::{FIRST_PAIR, NOISE_MEMORY_S, check_coherence, mean_into, with_cross};
 use super::azimuth::{AZIMUTHS, AzimuthFan, STEP_RAD};
-use hearsight_audio::AudioError;
+use hearsight_audio::coherence::NoiseCoherence;
 use hearsight_audio::correlation::{Correlator, CorrelatorSettings, Normalization};
 use hearsight_audio::curve::CorrelationCurve;
 use hearsight_audio::direct::{DirectSettings, DirectShare};
 use hearsight_audio::frames::{Frame, FrameSettings, Framer};
 use hearsight_audio::noise::{NoiseFloor, NoiseSettings, mean_square};
 use hearsight_audio::spectrum::{Spectra, SpectrumAnalyzer, Window, bin_range, power_into, transform_length};
+use hearsight_audio::weighting::PairNoise;
+use hearsight_audio::{AudioError, Complex};
 use hearsight_core::AudioBlock;
 use serde::{Deserialize, Serialize};
 
@@ -31,7 +34,9 @@ pub struct DirectionSettings {
     /// Mean cosine of the phase errors where all of a bin is new sound, 0 to 1. Default 0.07: direct sound 10 dB below
     /// its reverberation, some metres away in a room without curtains. Raising it decides sooner and less surely.
     pub clarity: f64,
-    /// Signal to noise ratio from which there is sound, decibels, at every microphone. Default 6.
+    /// Signal to noise ratio from which there is sound, decibels, at every microphone. Default 6. -100 takes every frame for
+    /// sound, which suits rooms that are as loud as their talkers; directions alone tell then whether anybody speaks, and the
+    /// rate of silence of the decision should be 0.
     pub sound_db: f32,
     /// Signal to noise ratio below which there is silence, decibels. Default 3.
     pub silence_db: f32,
@@ -64,6 +69,7 @@ struct Remembered {
     levels: [NoiseFloor; 2],
     spectra: [NoiseFloor; 2],
     share: DirectShare,
+    coherence: Option<NoiseCoherence>,
 }
 
 /// Hears directions with the first two microphones of an array, or with all of them over the azimuth.
@@ -86,6 +92,7 @@ struct Engine {
     powers: [Vec<f32>; 2],
     power: Vec<f32>,
     noise: Vec<f32>,
+    noise_cross: Vec<Complex>,
     share: Vec<f32>,
     curve: CorrelationCurve,
     pair_curve: CorrelationCurve,
@@ -96,6 +103,7 @@ struct Engine {
 
 impl DirectionPercept {
     /// A percept of sound at `rate_hz`, of delays up to `greatest_s`, of the first pair or of all pairs of a fan.
+    /// `subtract_noise` as in [`super::ArraySettings`].
     ///
     /// # Errors
     /// [`AudioError`] where a setting is out of its range.
@@ -106,6 +114,7 @@ impl DirectionPercept {
         channels: usize,
         greatest_s: f64,
         fan: Option<AzimuthFan>,
+        subtract_noise: bool,
     ) -> Result<Self, AudioError> {
         let holds = (0.005..=1.0).contains(&settings.frame_s);
         check(holds, "frame_s", "within 0.005 and 1", settings.frame_s)?;
@@ -128,6 +137,10 @@ impl DirectionPercept {
         })?;
         let bins = analyzer.bins();
         let hop_s = frames.hop_s();
+        let pairs = fan.as_ref().map_or(1, |fan| fan.pairs().len());
+        let coherence = subtract_noise
+            .then(|| NoiseCoherence::new(pairs, bins, hop_s, NOISE_MEMORY_S))
+            .transpose()?;
         let level = NoiseFloor::of_frames(noise, hop_s, frames.length)?;
         let spectrum = NoiseFloor::of_spectra(noise, hop_s, bins, analyzer.window_energy())?;
         let fourth: f32 = Window::Hann
@@ -146,6 +159,7 @@ impl DirectionPercept {
                     levels: [level.clone(), level],
                     spectra: [spectrum.clone(), spectrum],
                     share: DirectShare::new(&settings.room, hop_s, bins)?,
+                    coherence,
                 },
             },
             engine: Engine {
@@ -161,6 +175,7 @@ impl DirectionPercept {
                 powers: [vec![0.0; bins], vec![0.0; bins]],
                 power: vec![0.0; bins],
                 noise: vec![0.0; bins],
+                noise_cross: Vec::with_capacity(bins),
                 share: vec![0.0; bins],
                 curve: CorrelationCurve::default(),
                 pair_curve: CorrelationCurve::default(),
@@ -189,7 +204,8 @@ impl DirectionPercept {
         for (floor, saved) in own.spectra.iter().zip(&saved.spectra) {
             floor.check_saved(saved)?;
         }
-        own.share.check_saved(&saved.share)
+        own.share.check_saved(&saved.share)?;
+        check_coherence(own.coherence.as_ref(), saved.coherence.as_ref())
     }
 
     /// Goes on from what was remembered; to be checked before by [`DirectionPercept::check_state`].
@@ -265,26 +281,31 @@ impl Engine {
                 let _ = remembered.spectra[channel].observe(powers);
             }
         }
-        let noises = remembered.spectra.each_ref().map(NoiseFloor::power);
-        for bin in 0..self.power.len() {
-            self.power[bin] = 0.5 * (self.powers[0][bin] + self.powers[1][bin]);
-            self.noise[bin] = 0.5 * (noises[0][bin] + noises[1][bin]);
+        mean_into(self.powers.each_ref().map(Vec::as_slice), &mut self.power);
+        mean_into(
+            remembered.spectra.each_ref().map(NoiseFloor::power),
+            &mut self.noise,
+        );
+        if let Some(coherence) = &mut remembered.coherence {
+            let pairs = fan.map_or(FIRST_PAIR.as_slice(), AzimuthFan::pairs);
+            let powers = [self.power.as_slice(), &self.noise];
+            let _ = coherence.observe(&self.spectra.channels, pairs, powers, frame.filled == 0);
         }
         // Cannot fail either; reverberation is followed through silence too.
         let _ = remembered
             .share
             .observe(&self.power, &self.noise, &mut self.share);
         if ratio_db >= self.settings.sound_db {
-            self.add(fan);
+            self.add(fan, remembered.coherence.as_ref());
         } else if ratio_db < self.settings.silence_db {
             self.silence_s += self.hop_s;
         }
     }
 
     /// Adds what the frame says of every delay.
-    fn add(&mut self, fan: Option<&AzimuthFan>) {
+    fn add(&mut self, fan: Option<&AzimuthFan>, coherence: Option<&NoiseCoherence>) {
         self.share[..self.first_bin].fill(0.0);
-        if self.correlate(fan).is_err() {
+        if self.correlate(fan, coherence).is_err() {
             return;
         }
         // The curve is twice the sum of cosines over the transform's length. Of the kappas of bins that tell the same
@@ -306,20 +327,35 @@ impl Engine {
     }
 
     /// The curve of the pair, or the mean of all pairs over the azimuth.
-    fn correlate(&mut self, fan: Option<&AzimuthFan>) -> Result<(), AudioError> {
-        let Some(fan) = fan else {
-            let [first, second] = [&self.spectra.channels[0], &self.spectra.channels[1]];
-            return self
-                .correlator
-                .correlate(first, second, None, Some(&self.share), &mut self.curve);
-        };
-        self.curve.reset(STEP_RAD, AZIMUTHS / 2);
-        let share = 1.0 / fan.pairs().len().max(1) as f32;
-        for (number, pair) in fan.pairs().iter().enumerate() {
+    fn correlate(
+        &mut self,
+        fan: Option<&AzimuthFan>,
+        coherence: Option<&NoiseCoherence>,
+    ) -> Result<(), AudioError> {
+        let pairs = fan.map_or(FIRST_PAIR.as_slice(), AzimuthFan::pairs);
+        if fan.is_some() {
+            self.curve.reset(STEP_RAD, AZIMUTHS / 2);
+        }
+        for (number, pair) in pairs.iter().enumerate() {
             let [first, second] = pair.map(|microphone| self.spectra.channels[microphone].as_slice());
+            let known = coherence.map(|coherence| {
+                let noise = PairNoise {
+                    first: &self.noise,
+                    second: &self.noise,
+                    cross: None,
+                };
+                with_cross(noise, Some(coherence), number, &mut self.noise_cross)
+            });
+            let curve = match fan {
+                Some(_) => &mut self.pair_curve,
+                None => &mut self.curve,
+            };
             self.correlator
-                .correlate(first, second, None, Some(&self.share), &mut self.pair_curve)?;
-            fan.add(number, &self.pair_curve, share, &mut self.curve);
+                .correlate(first, second, known, Some(&self.share), curve)?;
+            if let Some(fan) = fan {
+                let share = 1.0 / pairs.len().max(1) as f32;
+                fan.add(number, &self.pair_curve, share, &mut self.curve);
+            }
         }
         Ok(())
     }
@@ -351,6 +387,7 @@ mod tests {
             2,
             0.0028,
             None,
+            false,
         )
         .unwrap()
     }
@@ -435,6 +472,8 @@ mod tests {
             clarity: 2.0,
             ..DirectionSettings::default()
         };
-        assert!(DirectionPercept::new(wrong, &NoiseSettings::default(), RATE_HZ, 2, 0.0028, None).is_err());
+        assert!(
+            DirectionPercept::new(wrong, &NoiseSettings::default(), RATE_HZ, 2, 0.0028, None, false).is_err()
+        );
     }
 }
