@@ -5,103 +5,26 @@
 //! ratio of both microphones, onset filter, correlation in three bands, agreement of their peaks. Beside it the evidence
 //! for deciding who speaks, which needs every frame and not only onsets: [`DirectionPercept`].
 
-use super::azimuth::{AZIMUTHS, AzimuthFan, STEP_RAD, wrapped_rad};
-use super::direction::{DirectionPercept, DirectionSettings, DirectionState};
-use hearsight_audio::activity::{ActivityDetector, ActivitySettings};
-use hearsight_audio::agreement::{Agreement, AgreementSettings};
+use super::array_frames::{Engine, Remembered};
+use super::array_settings::{ArraySettings, Pairs};
+use super::azimuth::{AzimuthFan, wrapped_rad};
+use super::direction::{DirectionPercept, DirectionState};
+use super::pair_noise::NOISE_MEMORY_S;
+use hearsight_audio::AudioError;
+use hearsight_audio::activity::ActivityDetector;
+use hearsight_audio::agreement::Agreement;
 use hearsight_audio::bands::{BandBank, BandShape, THREE_BANDS};
 use hearsight_audio::coherence::NoiseCoherence;
 use hearsight_audio::correlation::{Correlator, CorrelatorSettings};
 use hearsight_audio::curve::CorrelationCurve;
-use hearsight_audio::frames::{Frame, FrameSettings, Framer};
-use hearsight_audio::noise::{NoiseFloor, NoiseSettings, mean_square};
-use hearsight_audio::onset::{OnsetFilter, OnsetSettings};
+use hearsight_audio::frames::{FrameSettings, Framer};
+use hearsight_audio::noise::NoiseFloor;
+use hearsight_audio::onset::OnsetFilter;
 use hearsight_audio::resample::{Resampler, ResamplerState};
-use hearsight_audio::spectrum::{Spectra, SpectrumAnalyzer, Window, power_into, transform_length};
-use hearsight_audio::weighting::{PairNoise, Weighting};
-use hearsight_audio::{AudioError, Complex};
+use hearsight_audio::spectrum::{Spectra, SpectrumAnalyzer, Window, transform_length};
 use hearsight_core::room::ArraySensor;
 use hearsight_core::{AudioBlock, Span, WorldPoint};
 use serde::{Deserialize, Serialize};
-
-/// Which pairs of an array are listened to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Pairs {
-    /// The first two microphones: curves over their delay, seconds.
-    #[default]
-    First,
-    /// All pairs together: curves over the azimuth around the array, radians, once all round. Needs three microphones that
-    /// do not lie in one line. Correlations are of the whole spectrum.
-    All,
-}
-
-/// How an array's sound is listened to.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ArraySettings {
-    /// Length of a frame, seconds, 0.01 to 1. Default 0.128: many times the greatest delay, short against walking.
-    /// Raising it makes peaks surer and more of it reverberation. The paper does not say.
-    pub frame_s: f64,
-    /// Time from one frame to the next, seconds, 0.001 to `frame_s`. Default 0.02.
-    pub hop_s: f64,
-    /// How much each frequency counts. Default: noise-regularized with gamma 0.3 (stac, eq. 7 corrected).
-    pub weighting: Weighting,
-    /// Whether the correlation is taken in three bands whose peaks must agree. Default true.
-    pub bands: bool,
-    /// Whether frames that reverberation has caught up with are left out. Default true; false takes every frame.
-    pub onset_filter: bool,
-    /// What the agreement of bands is.
-    pub agreement: AgreementSettings,
-    /// How the noise floor is followed.
-    pub noise: NoiseSettings,
-    /// What an onset is.
-    pub onset: OnsetSettings,
-    /// When sound counts as voice.
-    pub activity: ActivitySettings,
-    /// From where the sound comes that decides who speaks.
-    pub direction: DirectionSettings,
-    /// Which pairs are listened to. Default `first`.
-    pub pairs: Pairs,
-    /// Whether noise that comes from somewhere, such as that of a fan, is taken out of the cross-spectra. Default false. With
-    /// it such noise is not heard between the sounds of speech; where microphones move it does harm.
-    pub subtract_noise: bool,
-}
-
-impl Default for ArraySettings {
-    fn default() -> Self {
-        Self {
-            frame_s: 0.128,
-            hop_s: 0.02,
-            weighting: Weighting::NoiseRegularized { gamma: 0.3 },
-            bands: true,
-            onset_filter: true,
-            agreement: AgreementSettings::default(),
-            noise: NoiseSettings::default(),
-            onset: OnsetSettings::default(),
-            activity: ActivitySettings::default(),
-            direction: DirectionSettings::default(),
-            pairs: Pairs::First,
-            subtract_noise: false,
-        }
-    }
-}
-
-impl ArraySettings {
-    /// Checks the lengths that memory and time are spent by; the parts check their own settings.
-    fn check(&self) -> Result<(), AudioError> {
-        let lengths = [
-            ("frame_s", self.frame_s, 0.01..=1.0, "within 0.01 and 1"),
-            ("hop_s", self.hop_s, 0.001..=1.0, "within 0.001 and 1"),
-        ];
-        for (name, value, range, rule) in lengths {
-            if !range.contains(&value) {
-                return Err(AudioError::Setting { name, rule, value });
-            }
-        }
-        Ok(())
-    }
-}
 
 /// What is remembered from moment to moment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -118,16 +41,6 @@ struct Listener {
     remembered: Remembered,
 }
 
-/// What one frame leaves for the next.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Remembered {
-    levels: [NoiseFloor; 2],
-    spectra: [NoiseFloor; 2],
-    onset: OnsetFilter,
-    activity: ActivityDetector,
-    coherence: Option<NoiseCoherence>,
-}
-
 /// Percepts of one array.
 pub struct ArrayPercepts {
     microphones: [WorldPoint; 2],
@@ -141,35 +54,8 @@ pub struct ArrayPercepts {
     ignored: u64,
 }
 
-/// Plans and buffers: nothing of it is remembered.
-struct Engine {
-    settings: ArraySettings,
-    analyzer: SpectrumAnalyzer,
-    correlator: Correlator,
-    bank: BandBank,
-    agreement: Agreement,
-    spectra: Spectra,
-    /// Of both microphones of the first pair, and means of both: powers, and those of the noise.
-    powers: [Vec<f32>; 2],
-    power: Vec<f32>,
-    noise: Vec<f32>,
-    noise_cross: Vec<Complex>,
-    curve: CorrelationCurve,
-    pair_curve: CorrelationCurve,
-    onset_sum: CorrelationCurve,
-    onset_frames: u32,
-    active: bool,
-    signal_to_noise_db: f32,
-}
-
 /// The rate at which sound is looked at, samples a second (stac, section 3: f_max = 6 kHz; E5).
 const RATE_HZ: u32 = 12_000;
-
-/// For how long the direction of noise is remembered, seconds of noise.
-pub(super) const NOISE_MEMORY_S: f64 = 2.0;
-
-/// The first pair, where there is no fan of pairs.
-pub(super) const FIRST_PAIR: [[usize; 2]; 1] = [[0, 1]];
 
 /// Greatest distance of two microphones that are one array, metres: beyond it memory and time grow without use.
 const FARTHEST_M: f64 = 60.0;
@@ -466,177 +352,4 @@ impl ArrayPercepts {
             .as_ref()
             .map_or(frame, |resampler| frame + resampler.latency())
     }
-}
-
-impl Engine {
-    fn begin(&mut self) {
-        self.onset_frames = 0;
-    }
-
-    /// Looks at one frame.
-    fn take(&mut self, frame: &Frame<'_>, remembered: &mut Remembered, fan: Option<&AzimuthFan>, hop_s: f64) {
-        let channels = if fan.is_some() { frame.channels.len() } else { 2 };
-        if self
-            .analyzer
-            .transform_all(&frame.channels[..channels], &mut self.spectra)
-            .is_err()
-        {
-            return;
-        }
-        let mut ratios_db = [0.0; 2];
-        for (channel, ratio_db) in ratios_db.iter_mut().enumerate() {
-            let power = mean_square(&frame.channels[channel]);
-            *ratio_db = remembered.levels[channel].snr_db(power);
-            if frame.filled == 0 {
-                let powers = &mut self.powers[channel];
-                power_into(&self.spectra.channels[channel], powers);
-                // Both cannot fail: the number of bins is that of the analyzer they were made for.
-                let _ = remembered.levels[channel].observe(&[power]);
-                let _ = remembered.spectra[channel].observe(powers);
-            }
-        }
-        if let Some(coherence) = &mut remembered.coherence {
-            let [first, second] = remembered.spectra.each_ref().map(NoiseFloor::power);
-            mean_into([first, second], &mut self.noise);
-            // Without the powers of a frame with samples filled in nothing is known of it: those before are close.
-            if frame.filled == 0 {
-                mean_into(self.powers.each_ref().map(Vec::as_slice), &mut self.power);
-            }
-            let pairs = fan.map_or(FIRST_PAIR.as_slice(), AzimuthFan::pairs);
-            let powers = [self.power.as_slice(), &self.noise];
-            let _ = coherence.observe(&self.spectra.channels, pairs, powers, frame.filled == 0);
-        }
-        let class = remembered.onset.classify(&ratios_db);
-        self.signal_to_noise_db = ratios_db[0].min(ratios_db[1]);
-        self.active = remembered
-            .activity
-            .observe(0.5 * (ratios_db[0] + ratios_db[1]), hop_s)
-            .active;
-        let noise = PairNoise {
-            first: remembered.spectra[0].power(),
-            second: remembered.spectra[1].power(),
-            cross: None,
-        };
-        let coherence = remembered.coherence.as_ref();
-        let wanted = class.is_onset() || !self.settings.onset_filter;
-        let correlated = |engine: &mut Self| match fan {
-            Some(fan) => engine.correlate_all(fan, noise, coherence),
-            None => engine.correlate(noise, coherence),
-        };
-        if wanted && correlated(self).is_ok() {
-            self.add_onset();
-        }
-    }
-
-    /// The correlations of all pairs over the azimuth. The noise is taken to be as loud at every microphone as at the first
-    /// two: arrays are small against rooms.
-    fn correlate_all(
-        &mut self,
-        fan: &AzimuthFan,
-        noise: PairNoise<'_>,
-        coherence: Option<&NoiseCoherence>,
-    ) -> Result<(), AudioError> {
-        self.curve.reset(STEP_RAD, AZIMUTHS / 2);
-        let share = 1.0 / fan.pairs().len().max(1) as f32;
-        for (number, pair) in fan.pairs().iter().enumerate() {
-            let [first, second] = pair.map(|microphone| self.spectra.channels[microphone].as_slice());
-            let noise = with_cross(noise, coherence, number, &mut self.noise_cross);
-            self.correlator
-                .correlate(first, second, Some(noise), None, &mut self.pair_curve)?;
-            fan.add(number, &self.pair_curve, share, &mut self.curve);
-        }
-        Ok(())
-    }
-
-    /// The correlation that the sound cue sees: in bands, or of the whole spectrum.
-    fn correlate(
-        &mut self,
-        noise: PairNoise<'_>,
-        coherence: Option<&NoiseCoherence>,
-    ) -> Result<(), AudioError> {
-        let noise = with_cross(noise, coherence, 0, &mut self.noise_cross);
-        let [first, second] = [&self.spectra.channels[0], &self.spectra.channels[1]];
-        if !self.settings.bands {
-            return self
-                .correlator
-                .correlate(first, second, Some(noise), None, &mut self.curve);
-        }
-        self.bank
-            .correlate(&mut self.correlator, first, second, Some(noise))?;
-        self.agreement.combine(&self.bank, &mut self.curve)
-    }
-
-    fn add_onset(&mut self) {
-        if self.onset_frames == 0 {
-            self.onset_sum.step_s = self.curve.step_s;
-            self.onset_sum.values.clear();
-            self.onset_sum.values.extend_from_slice(&self.curve.values);
-        } else {
-            for (sum, value) in self.onset_sum.values.iter_mut().zip(&self.curve.values) {
-                *sum += value;
-            }
-        }
-        self.onset_frames += 1;
-    }
-
-    fn end(&mut self) {
-        if self.onset_frames > 0 {
-            self.onset_sum.normalize_to_peak();
-        }
-    }
-}
-
-impl Remembered {
-    /// Checks what was saved against this.
-    fn check_saved(&self, saved: &Self) -> Result<(), AudioError> {
-        for (floor, saved) in self.levels.iter().zip(&saved.levels) {
-            floor.check_saved(saved)?;
-        }
-        for (floor, saved) in self.spectra.iter().zip(&saved.spectra) {
-            floor.check_saved(saved)?;
-        }
-        self.onset.check_saved(&saved.onset)?;
-        self.activity.check_saved(&saved.activity)?;
-        check_coherence(self.coherence.as_ref(), saved.coherence.as_ref())
-    }
-}
-
-/// Checks a saved coherence of the noise against that of the settings.
-pub(super) fn check_coherence(
-    own: Option<&NoiseCoherence>,
-    saved: Option<&NoiseCoherence>,
-) -> Result<(), AudioError> {
-    match (own, saved) {
-        (Some(own), Some(saved)) => own.check_saved(saved),
-        (None, None) => Ok(()),
-        _ => Err(AudioError::State {
-            what: "whether noise is subtracted",
-        }),
-    }
-}
-
-/// The noise of a pair with its cross-spectrum, where its coherence is followed; `cross` is a buffer.
-pub(super) fn with_cross<'a>(
-    noise: PairNoise<'a>,
-    coherence: Option<&NoiseCoherence>,
-    pair: usize,
-    cross: &'a mut Vec<Complex>,
-) -> PairNoise<'a> {
-    let Some(coherence) = coherence else { return noise };
-    coherence.cross_spectrum(pair, cross);
-    PairNoise {
-        cross: Some(cross),
-        ..noise
-    }
-}
-
-/// The mean of two spectra of powers.
-pub(super) fn mean_into([first, second]: [&[f32]; 2], mean: &mut Vec<f32>) {
-    mean.clear();
-    mean.extend(
-        first
-            .iter()
-            .zip(second)
-            .map(|(first, second)| 0.5 * (first + second)),
-    );
 }

@@ -8,8 +8,8 @@
 //!
 //! Frames are short and overlap by half: they are nearly independent, and a new voice is heard soon.
 
-use super::array::{FIRST_PAIR, NOISE_MEMORY_S, check_coherence, mean_into, with_cross};
 use super::azimuth::{AZIMUTHS, AzimuthFan, STEP_RAD};
+use super::pair_noise::{FIRST_PAIR, NOISE_MEMORY_S, check_coherence, mean_into, with_cross};
 use hearsight_audio::coherence::NoiseCoherence;
 use hearsight_audio::correlation::{Correlator, CorrelatorSettings, Normalization};
 use hearsight_audio::curve::CorrelationCurve;

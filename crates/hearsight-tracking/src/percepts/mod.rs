@@ -4,15 +4,19 @@
 //! newest data into buffers that are reused.
 
 mod array;
+mod array_frames;
+mod array_settings;
 mod azimuth;
 mod camera;
 mod direction;
 mod face_windows;
 mod faces;
+mod pair_noise;
 mod round;
 mod steered;
 
-pub use array::{ArrayPercepts, ArraySettings, ArrayState, Pairs};
+pub use array::{ArrayPercepts, ArrayState};
+pub use array_settings::{ArraySettings, Pairs};
 pub(crate) use azimuth::wrapped_rad;
 pub use camera::{CameraPercepts, CameraSettings, CameraState, Detection};
 pub use direction::{DirectionPercept, DirectionSettings, DirectionState};

@@ -1,0 +1,51 @@
+//! Noise that comes from somewhere, as both ways of the sound take it out: see [`NoiseCoherence`].
+
+use hearsight_audio::coherence::NoiseCoherence;
+use hearsight_audio::weighting::PairNoise;
+use hearsight_audio::{AudioError, Complex};
+
+/// For how long the direction of noise is remembered, seconds of noise.
+pub(super) const NOISE_MEMORY_S: f64 = 2.0;
+
+/// The first pair, where there is no fan of pairs.
+pub(super) const FIRST_PAIR: [[usize; 2]; 1] = [[0, 1]];
+
+/// Checks a saved coherence of the noise against that of the settings.
+pub(super) fn check_coherence(
+    own: Option<&NoiseCoherence>,
+    saved: Option<&NoiseCoherence>,
+) -> Result<(), AudioError> {
+    match (own, saved) {
+        (Some(own), Some(saved)) => own.check_saved(saved),
+        (None, None) => Ok(()),
+        _ => Err(AudioError::State {
+            what: "whether noise is subtracted",
+        }),
+    }
+}
+
+/// The noise of a pair with its cross-spectrum, where its coherence is followed; `cross` is a buffer.
+pub(super) fn with_cross<'a>(
+    noise: PairNoise<'a>,
+    coherence: Option<&NoiseCoherence>,
+    pair: usize,
+    cross: &'a mut Vec<Complex>,
+) -> PairNoise<'a> {
+    let Some(coherence) = coherence else { return noise };
+    coherence.cross_spectrum(pair, cross);
+    PairNoise {
+        cross: Some(cross),
+        ..noise
+    }
+}
+
+/// The mean of two spectra of powers.
+pub(super) fn mean_into([first, second]: [&[f32]; 2], mean: &mut Vec<f32>) {
+    mean.clear();
+    mean.extend(
+        first
+            .iter()
+            .zip(second)
+            .map(|(first, second)| 0.5 * (first + second)),
+    );
+}
