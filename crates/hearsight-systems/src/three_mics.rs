@@ -339,7 +339,7 @@ impl ThreeMics {
                         place.see(&line, view.elapsed, &parameters.place);
                     }
                     Some(_) => {}
-                    None => places.extend(Place::new(identity, &line)),
+                    None => places.extend(Place::new(identity, &line, parameters.association.face_width())),
                 }
             }
         }
@@ -399,7 +399,7 @@ impl ThreeMics {
                         for Sight { identity, line } in &self.sights {
                             let place = self.places.iter().find(|place| place.identity == *identity);
                             // What looks like a face below the floor or above heads says nothing.
-                            let height_m = place.map(|place| place.estimate.mean.0.z - self.floor_m);
+                            let height_m = place.map(|place| place.estimate().mean.0.z - self.floor_m);
                             let [low_m, high_m] = self.parameters.association.height_m;
                             if height_m.is_some_and(|height_m| !(low_m..=high_m).contains(&height_m)) {
                                 continue;
@@ -416,17 +416,15 @@ impl ThreeMics {
                 };
                 self.activity.hear(heard_now, elapsed, &self.parameters.activity);
                 let speaker = self.activity.speaking(&self.parameters.activity);
-                let is_theirs = self
-                    .matches
-                    .iter()
-                    .any(|(identity, _)| Some(*identity) == speaker);
-                if let (Some(estimate), true) = (heard, is_theirs)
-                    && let Some(place) = self
-                        .places
-                        .iter_mut()
-                        .find(|place| Some(place.identity) == speaker)
-                {
-                    place.hear(&estimate, elapsed, &self.parameters.place);
+                let is_sure = |identity| self.activity.probability_of(identity) >= self.parameters.place.sure;
+                let theirs = speaker.filter(|identity| followed && is_sure(*identity));
+                let sight = self.sights.iter().find(|sight| Some(sight.identity) == theirs);
+                let place = self
+                    .places
+                    .iter_mut()
+                    .find(|place| Some(place.identity) == theirs);
+                if let (Some(sight), Some(place)) = (sight, place) {
+                    place.hear(&sight.line, response, elapsed, &self.parameters.place);
                 }
             });
             hearing.listened += start.elapsed();
@@ -437,7 +435,7 @@ impl ThreeMics {
     fn position(&self, identity: u64, speaks: bool) -> Option<PointEstimate> {
         if self.parameters.association.weighted && self.parameters.beyond.face_range {
             let place = self.places.iter().find(|place| place.identity == identity)?;
-            return Some(place.estimate);
+            return Some(place.estimate());
         }
         let meeting = self.meetings.iter().find(|(met, _)| *met == identity && speaks);
         meeting.map(|(_, estimate)| *estimate)

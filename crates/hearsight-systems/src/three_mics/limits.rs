@@ -80,6 +80,8 @@ const OWN: &[Limit] = &[
     ("activity.least", 0.0, 1.0),
     ("place.walk_m", 0.0, 100.0),
     ("place.independent_s", 0.001, 3600.0),
+    ("place.box_deviation", 0.0, 1.0),
+    ("place.sure", 0.0, 2.0),
 ];
 
 /// The ranges of all parameters.

@@ -18,44 +18,52 @@ const RANGES_M: [f64; 2] = [0.6, 5.0];
 /// on a line of sight: of the best range, each less by how improbable it is (half its squared deviations). `place` is what
 /// is believed of where this person is.
 pub fn log_likelihood_at(sight: &SightLine, place: Option<&Place>, response: &mut SteeredResponse) -> f32 {
-    let direction = sight.ray.direction.into_inner();
-    let believed = place.map(|place| {
-        let offset = place.estimate.mean.0 - sight.ray.origin.0;
-        let variance = direction.dot(&(place.estimate.covariance * direction));
-        (offset.dot(&direction), variance.max(0.0).sqrt())
-    });
-    let known = believed
+    let known = place
+        .map(|place| place.range(sight))
         .or(sight.range_m)
         .filter(|(range_m, deviation_m)| *range_m > 0.0 && deviation_m.is_finite());
-    let mut points = [[0.0_f32; PLACES]; 3];
-    let mut priors = [0.0_f32; PLACES];
-    for number in 0..PLACES {
-        let share = number as f64 / (PLACES - 1) as f64;
-        let range_m = match known {
-            Some((range_m, deviation_m)) => {
-                let deviations = DEVIATIONS * (2.0 * share - 1.0);
-                priors[number] = (-0.5 * deviations * deviations) as f32;
-                (range_m + deviations * deviation_m).max(0.1)
-            }
-            None => RANGES_M[0] + share * (RANGES_M[1] - RANGES_M[0]),
-        };
-        let point = sight.ray.at(range_m).0;
-        for axis in 0..3 {
-            points[axis][number] = point[axis] as f32;
+    let (range, is_known) = match known {
+        Some(range) => (range, true),
+        None => {
+            let [low_m, high_m] = RANGES_M;
+            let middle_m = 0.5 * (low_m + high_m);
+            ((middle_m, (high_m - middle_m) / DEVIATIONS), false)
         }
-    }
-    let mut scores = [0.0; PLACES];
-    let [x, y, z] = &points;
-    response.score_points([x, y, z], &mut scores);
-    scores
+    };
+    along::<PLACES>(sight, range, DEVIATIONS, response)
         .iter()
-        .zip(priors)
-        .map(|(score, prior)| response.log_likelihood(*score) + prior)
+        .map(|(deviations, logarithm)| {
+            let prior = if is_known {
+                -0.5 * deviations * deviations
+            } else {
+                0.0
+            };
+            logarithm + prior as f32
+        })
         .fold(f32::NEG_INFINITY, f32::max)
 }
 
+/// The log-likelihoods of places along a sight, from `reach` deviations before to as many behind the mean of a range
+/// (mean and deviation, metres); each with how many deviations it is from the mean.
+pub(super) fn along<const COUNT: usize>(
+    sight: &SightLine,
+    (range_m, deviation_m): (f64, f64),
+    reach: f64,
+    response: &mut SteeredResponse,
+) -> [(f64, f32); COUNT] {
+    let deviations: [f64; COUNT] = std::array::from_fn(|number| {
+        let share = number as f64 / (COUNT.max(2) - 1) as f64;
+        reach * (2.0 * share - 1.0)
+    });
+    let points = deviations.map(|deviations| sight.ray.at((range_m + deviations * deviation_m).max(0.1)).0);
+    let [x, y, z] = [0, 1, 2].map(|axis| points.map(|point| point[axis] as f32));
+    let mut scores = [0.0; COUNT];
+    response.score_points([&x, &y, &z], &mut scores);
+    std::array::from_fn(|number| (deviations[number], response.log_likelihood(scores[number])))
+}
+
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use hearsight_audio::Complex;
     use hearsight_audio::steered_response::SteeredSettings;
@@ -68,7 +76,7 @@ mod tests {
     const RATE_HZ: u32 = 16_000;
 
     /// The response of three microphones in a line to a white sound, without walls.
-    fn response_to(source: WorldPoint) -> SteeredResponse {
+    pub(in super::super) fn response_to(source: WorldPoint) -> SteeredResponse {
         let at = |place: i32| WorldPoint::new(0.2 * f64::from(place), 0.0, 1.0);
         let array = MicrophoneArray::new((-1..=1).map(at).collect()).unwrap();
         let mut response = SteeredResponse::new(&array, LENGTH, RATE_HZ, SteeredSettings::default()).unwrap();
