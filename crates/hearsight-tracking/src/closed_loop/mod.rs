@@ -10,6 +10,7 @@
 mod colour;
 mod contour;
 mod fuser;
+mod hypotheses;
 mod motion;
 mod settings;
 mod sound;
