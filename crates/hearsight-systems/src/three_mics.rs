@@ -5,30 +5,28 @@
 //! is a face's or nobody's. Arrays and cameras may be anywhere, and there may be several: every array then decides with
 //! all cameras' faces, and a person who is seen by two cameras is two tracks.
 
+mod fusion;
 mod limits;
 mod parameters;
+mod sensors;
 
 pub use parameters::{Beyond, Parameters, RoomBox};
 
 use crate::{SystemError, SystemInfo, parallel};
-use hearsight_core::camera::Camera;
+use fusion::Fusion;
 use hearsight_core::finite::is_finite;
-use hearsight_core::microphones::MicrophoneArray;
 use hearsight_core::record::{
     BoxRecord, SCENE_SCHEMA_VERSION, Scene, SoundRecord, TrackPhase, TrackRecord, ViewRecord,
 };
 use hearsight_core::room::Room;
-use hearsight_core::{Instant, Moment, Span};
-use hearsight_tracking::face::{FaceBelief, FaceState, FaceTracker};
-use hearsight_tracking::percepts::{
-    FaceWindowPercepts, FaceWindowState, HeardFrame, SteeredPercepts, SteeredState,
-};
-use hearsight_tracking::sight_and_sound::{
-    Activity, Heard, Place, SightLine, Verdict, associate, log_likelihood_at,
-};
-use hearsight_tracking::sound::{Bounds, PointEstimate, SoundBelief, SoundTracker};
+use hearsight_core::{Instant, Moment};
+use hearsight_tracking::face::FaceState;
+use hearsight_tracking::percepts::{FaceWindowState, SteeredState};
+use hearsight_tracking::sight_and_sound::{Activity, Place};
+use hearsight_tracking::sound::{Bounds, PointEstimate, SoundBelief};
 use hearsight_tracking::system::{StateError, System};
 use hearsight_tracking::tracker::MOST_NUMBERED;
+use sensors::{Hearing, Newest, View};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::time::{Duration, Instant as Clock};
@@ -42,64 +40,14 @@ pub(crate) const INFO: SystemInfo = SystemInfo {
     build,
 };
 
-/// One camera.
-struct View {
-    camera: usize,
-    name: String,
-    calibration: Camera,
-    windows: FaceWindowPercepts,
-    faces: FaceTracker,
-    frame: u64,
-    last: Option<Instant>,
-    elapsed: Span,
-    looked: Duration,
-    tracked: Duration,
-}
-
-/// One array.
-struct Hearing {
-    array: usize,
-    name: String,
-    microphones: MicrophoneArray,
-    percepts: SteeredPercepts,
-    sound: SoundTracker,
-    /// What the newest frame said, and whether it is of this moment.
-    newest: Option<Newest>,
-    last: Option<Instant>,
-    listened: Duration,
-}
-
-/// The newest frame of an array.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Newest {
-    active: bool,
-    signal_to_noise_db: f32,
-    is_new: bool,
-}
-
-/// A face as the fusion sees it.
-#[derive(Clone, Copy)]
-struct Sight {
-    identity: u64,
-    line: SightLine,
-}
-
 /// The system.
 pub struct ThreeMics {
     parameters: Parameters,
-    floor_m: f64,
     views: Vec<View>,
     hearings: Vec<Hearing>,
-    activity: Activity,
-    places: Vec<Place>,
+    fusion: Fusion,
     next_identity: u64,
     last: Option<Instant>,
-    sights: Vec<Sight>,
-    matches: Vec<(u64, f64)>,
-    /// By how much each face explains the newest frame worse than the best place of the room.
-    fits: Vec<(u64, f64)>,
-    /// Where the sound of the newest frame and each face that survives with it meet.
-    meetings: Vec<(u64, PointEstimate)>,
     fused: Duration,
 }
 
@@ -176,23 +124,17 @@ fn build(parameters: &Value, room: &Room, seed: u64) -> Result<Box<dyn System>, 
         None => around_sensors(room),
     };
     let views: Result<Vec<View>, SystemError> = (0..room.cameras.len())
-        .map(|camera| build_view(&parameters, room, camera, seed))
+        .map(|camera| View::new(&parameters, room, camera, seed))
         .collect();
     let hearings: Result<Vec<Hearing>, SystemError> = (0..room.arrays.len())
-        .map(|array| build_hearing(&parameters, room, array, bounds, seed))
+        .map(|array| Hearing::new(&parameters, room, array, bounds, seed))
         .collect();
     Ok(Box::new(ThreeMics {
-        floor_m: bounds.low_m[2],
         views: views?,
         hearings: hearings?,
-        activity: Activity::default(),
-        places: Vec::new(),
+        fusion: Fusion::new(bounds.low_m[2]),
         next_identity: 0,
         last: None,
-        sights: Vec::new(),
-        matches: Vec::new(),
-        fits: Vec::new(),
-        meetings: Vec::new(),
         fused: Duration::ZERO,
         parameters,
     }))
@@ -223,231 +165,27 @@ fn around_sensors(room: &Room) -> Bounds {
     Bounds { low_m, high_m }
 }
 
-fn build_view(parameters: &Parameters, room: &Room, camera: usize, seed: u64) -> Result<View, SystemError> {
-    let sensor = &room.cameras[camera];
-    let calibration = sensor.calibration.ok_or_else(|| {
-        lacks(format!(
-            "camera {} has no calibration; give it one with its place, for example from `hearsight calibrate camera`",
-            sensor.name
-        ))
-    })?;
-    let role = format!("three-mics {}", sensor.name);
-    Ok(View {
-        camera,
-        name: sensor.name.clone(),
-        calibration,
-        windows: FaceWindowPercepts::new(parameters.vision.clone()).map_err(wrong)?,
-        faces: FaceTracker::new(parameters.faces, seed, role).map_err(wrong)?,
-        frame: 0,
-        last: None,
-        elapsed: Span::ZERO,
-        looked: Duration::ZERO,
-        tracked: Duration::ZERO,
-    })
-}
-
-fn build_hearing(
-    parameters: &Parameters,
-    room: &Room,
-    array: usize,
-    bounds: Bounds,
-    seed: u64,
-) -> Result<Hearing, SystemError> {
-    let sensor = &room.arrays[array];
-    if sensor.microphones.len() < 2 || sensor.microphones.len() != sensor.channels {
-        return Err(lacks(format!(
-            "array {} has {} channels and the places of {} microphones; give one place a channel, two at the least",
-            sensor.name,
-            sensor.channels,
-            sensor.microphones.len()
-        )));
-    }
-    let mut percepts =
-        SteeredPercepts::new(&parameters.audio, sensor, room.speed_of_sound_m_s).map_err(wrong)?;
-    let role = format!("three-mics {}", sensor.name);
-    let sound =
-        SoundTracker::new(parameters.sound, bounds, percepts.response(), seed, &role).map_err(wrong)?;
-    Ok(Hearing {
-        array,
-        name: sensor.name.clone(),
-        microphones: MicrophoneArray::new(sensor.microphones.clone())
-            .and_then(|array| array.with_speed_of_sound(room.speed_of_sound_m_s))
-            .map_err(wrong)?,
-        percepts,
-        sound,
-        newest: None,
-        last: None,
-        listened: Duration::ZERO,
-    })
-}
-
-impl View {
-    /// Takes in a new picture, if there is one.
-    fn see(&mut self, moment: &Moment) -> Result<(), hearsight_filter::FilterError> {
-        self.elapsed = Span::ZERO;
-        let Some(frame) = moment.video.get(self.camera).and_then(|frame| frame.get()) else {
-            return Ok(());
-        };
-        let start = Clock::now();
-        self.frame = frame.number;
-        self.elapsed = self.last.map_or(Span::ZERO, |last| frame.time - last);
-        self.last = Some(frame.time);
-        self.windows.search(frame, self.elapsed, self.faces.known());
-        let looked = Clock::now();
-        self.looked += looked - start;
-        let seen = self
-            .faces
-            .see(frame.rgb_view(), self.windows.windows(), frame.time, self.elapsed);
-        self.tracked += looked.elapsed();
-        seen
-    }
-
-    fn sight(&self, face: &FaceBelief, parameters: &Parameters) -> Option<SightLine> {
-        let deviation = f64::from(face.deviation[0].hypot(face.deviation[1])) / 2.0_f64.sqrt();
-        let width_m = parameters
-            .beyond
-            .face_range
-            .then(|| parameters.association.face_width());
-        // A tenth of a face: a mouth is not where a box says, however sure the particles are of the box.
-        let deviation_px = deviation.hypot(0.1 * f64::from(face.region.width));
-        SightLine::new(
-            &self.calibration,
-            face.mouth_px(),
-            deviation_px,
-            face.region.width.into(),
-            face.deviation[2].into(),
-            width_m,
-        )
-    }
-}
-
 impl ThreeMics {
-    /// Gathers the published faces of all cameras and follows their places.
-    fn gather(&mut self) {
-        self.sights.clear();
-        let parameters = &self.parameters;
-        let (sights, places) = (&mut self.sights, &mut self.places);
-        for view in &self.views {
-            for face in view.faces.published() {
-                let Some(identity) = face.identity else { continue };
-                let Some(line) = view.sight(face, parameters) else {
-                    continue;
-                };
-                sights.push(Sight { identity, line });
-                match places.iter_mut().find(|place| place.identity == identity) {
-                    Some(place) if view.elapsed > Span::ZERO => {
-                        place.see(&line, view.elapsed, &parameters.place);
-                    }
-                    Some(_) => {}
-                    None => places.extend(Place::new(identity, &line, parameters.association.face_width())),
-                }
-            }
-        }
-        self.places
-            .retain(|place| self.sights.iter().any(|sight| sight.identity == place.identity));
-        self.activity
-            .follow(self.sights.iter().map(|sight| sight.identity));
-    }
-
     /// Takes in the sound of a moment: every frame is a face's or nobody's.
     fn listen(&mut self, moment: &Moment) {
         let arrays = self.hearings.len().max(1) as i64;
         for hearing in &mut self.hearings {
             let start = Clock::now();
-            if let Some(newest) = &mut hearing.newest {
-                newest.is_new = false;
-            }
-            let block = moment.audio.get(hearing.array).and_then(|block| block.get());
-            let Hearing {
-                percepts,
-                sound,
-                newest,
-                last,
-                ..
-            } = hearing;
-            percepts.hear(block, |response, frame: HeardFrame| {
-                let active = frame.active || !self.parameters.beyond.voice_gate;
-                // A response of another array cannot come here; a frame that fails is as if it were not heard.
-                let followed = active && sound.listen(response, frame.time).is_ok();
-                let elapsed = last.map_or(Span::ZERO, |last| frame.time - last) / arrays;
-                *last = Some(frame.time);
-                *newest = Some(Newest {
-                    active: followed,
-                    signal_to_noise_db: frame.signal_to_noise_db,
-                    is_new: true,
-                });
-                self.matches.clear();
-                self.meetings.clear();
-                let heard = sound.estimate().filter(|_| followed);
-                if let Some(estimate) = heard {
-                    for sight in &self.sights {
-                        let found =
-                            associate(&sight.line, &estimate, self.floor_m, &self.parameters.association);
-                        let Some(found) = found.filter(|found| found.verdict == Verdict::Survives) else {
-                            continue;
-                        };
-                        self.matches.push((sight.identity, found.strain));
-                        let covariance = found.meeting.covariance.unwrap_or(estimate.covariance);
-                        let mean = found.meeting.point;
-                        self.meetings
-                            .push((sight.identity, PointEstimate { mean, covariance }));
-                    }
-                }
-                let heard_now = if self.parameters.beyond.at_faces {
-                    self.fits.clear();
-                    if let Some(best) = sound.best(response).filter(|_| followed) {
-                        for Sight { identity, line } in &self.sights {
-                            let place = self.places.iter().find(|place| place.identity == *identity);
-                            // What looks like a face below the floor or above heads says nothing.
-                            let height_m = place.map(|place| place.estimate().mean.0.z - self.floor_m);
-                            let [low_m, high_m] = self.parameters.association.height_m;
-                            if height_m.is_some_and(|height_m| !(low_m..=high_m).contains(&height_m)) {
-                                continue;
-                            }
-                            let below = log_likelihood_at(line, place, response) - best;
-                            self.fits.push((*identity, f64::from(below.min(0.0))));
-                        }
-                    }
-                    Heard::Frame(frame.voice.into(), &self.fits)
-                } else if heard.is_some() {
-                    Heard::Sound(&self.matches)
-                } else {
-                    Heard::Silence
-                };
-                self.activity.hear(heard_now, elapsed, &self.parameters.activity);
-                let speaker = self.activity.speaking(&self.parameters.activity);
-                let is_sure = |identity| self.activity.probability_of(identity) >= self.parameters.place.sure;
-                let theirs = speaker.filter(|identity| followed && is_sure(*identity));
-                let sight = self.sights.iter().find(|sight| Some(sight.identity) == theirs);
-                let place = self
-                    .places
-                    .iter_mut()
-                    .find(|place| Some(place.identity) == theirs);
-                if let (Some(sight), Some(place)) = (sight, place) {
-                    place.hear(&sight.line, response, elapsed, &self.parameters.place);
-                }
+            let (fusion, parameters) = (&mut self.fusion, &self.parameters);
+            hearing.hear(moment, parameters, |heard| {
+                fusion.hear(heard, arrays, parameters);
             });
             hearing.listened += start.elapsed();
         }
     }
 
-    /// Where a person is: in the weighted form what is believed of the place, in the plain one where the lines meet.
-    fn position(&self, identity: u64, speaks: bool) -> Option<PointEstimate> {
-        if self.parameters.association.weighted && self.parameters.beyond.face_range {
-            let place = self.places.iter().find(|place| place.identity == identity)?;
-            return Some(place.estimate());
-        }
-        let meeting = self.meetings.iter().find(|(met, _)| *met == identity && speaks);
-        meeting.map(|(_, estimate)| *estimate)
-    }
-
     fn record(&self, scene: &mut Scene) {
-        let speaker = self.activity.speaking(&self.parameters.activity);
+        let speaker = self.fusion.speaker(&self.parameters);
         for view in &self.views {
             for face in view.faces.published() {
                 let Some(id) = face.identity else { continue };
                 let speaking = speaker == Some(id);
-                let position = self.position(id, speaking);
+                let position = self.fusion.position(id, speaking, &self.parameters);
                 scene.tracks.push(TrackRecord {
                     id,
                     phase: TrackPhase::Visible,
@@ -461,7 +199,7 @@ impl ThreeMics {
                     position_m: position.map(|estimate| estimate.mean.0.into()),
                     deviation_m: position.map(deviations),
                     speaking,
-                    speaking_probability: Some(self.activity.probability_of(id)),
+                    speaking_probability: Some(self.fusion.activity.probability_of(id)),
                     effective_sample_size: face.effective_sample_size,
                 });
             }
@@ -484,12 +222,12 @@ impl ThreeMics {
                 from_onset: false,
                 position_m: Some(estimate.mean.0.into()),
                 deviation_m: Some(deviations(estimate)),
-                track: speaker.filter(|id| self.matches.iter().any(|(met, _)| met == id)),
+                track: speaker.filter(|id| self.fusion.suits(*id)),
             });
         }
         scene.speaker = speaker;
-        scene.last_speaker = self.activity.last();
-        scene.nobody_probability = Some(self.activity.nobody());
+        scene.last_speaker = self.fusion.activity.last();
+        scene.nobody_probability = Some(self.fusion.activity.nobody());
     }
 }
 
@@ -511,7 +249,7 @@ impl System for ThreeMics {
             view.faces.publish(&mut self.next_identity);
         }
         let start = Clock::now();
-        self.gather();
+        self.fusion.gather(&self.views, &self.parameters);
         self.fused += start.elapsed();
         self.listen(moment);
         scene.schema.clear();
@@ -541,9 +279,9 @@ impl System for ThreeMics {
         let saved = Saved {
             next_identity: self.next_identity,
             last: self.last,
-            activity: self.activity.clone(),
-            places: self.places.clone(),
-            meetings: self.meetings.clone(),
+            activity: self.fusion.activity.clone(),
+            places: self.fusion.places.clone(),
+            meetings: self.fusion.meetings.clone(),
             views: self.views.iter().map(view).collect(),
             hearings: self.hearings.iter().map(hearing).collect(),
         };
@@ -586,9 +324,9 @@ impl System for ThreeMics {
             hearing.sound.set_belief(saved.sound);
             (hearing.newest, hearing.last) = (saved.newest, saved.last);
         }
-        self.activity = saved.activity;
-        self.places = saved.places;
-        self.meetings = saved.meetings;
+        self.fusion.activity = saved.activity;
+        self.fusion.places = saved.places;
+        self.fusion.meetings = saved.meetings;
         self.next_identity = saved.next_identity;
         self.last = saved.last;
         Ok(())

@@ -7,11 +7,10 @@
 mod external;
 
 pub use external::External;
-pub use hearsight_audio::steered_response::Bounds;
+pub use hearsight_audio::steered_response::{Bounds, SteeredResponse};
 
 use external::{Outsider, Taking};
 use hearsight_audio::AudioError;
-use hearsight_audio::steered_response::SteeredResponse;
 use hearsight_core::{Instant, Span, WorldPoint};
 use hearsight_filter::motion::{Langevin, LangevinAxis, LangevinIntegration, Motion};
 use hearsight_filter::{FilterError, Generator, Particles, Resampling, generator};
