@@ -14,9 +14,9 @@ use crate::views::{Ears, Plan, Views, unheard};
 use crate::{SystemError, SystemInfo};
 use hearsight_core::camera::Camera;
 use hearsight_core::room::{ArraySensor, Room};
-use hearsight_tracking::body::UprightEllipse;
+use hearsight_tracking::body::{Part, UprightEllipse};
 use hearsight_tracking::closed_loop::{Fuser, SoundGeometry, SoundTracker};
-use hearsight_tracking::cues::{ContourCue, ContrastCue, Cue, CurveCue, CurveGeometry};
+use hearsight_tracking::cues::{ColourCue, ContourCue, ContrastCue, Cue, CurveCue, CurveGeometry};
 use hearsight_tracking::fusion::{Calibration, Product, Term};
 use hearsight_tracking::percepts::{CameraPercepts, PairBearing};
 use hearsight_tracking::stage::Stage;
@@ -192,6 +192,11 @@ fn stage(
         Box::new(CurveCue::new(geometry)),
         Calibration::Likelihood,
         &parameters.verifiers.sound,
+    );
+    add(
+        Box::new(ColourCue::new(Part::Head)),
+        Calibration::Distance { sigma: 0.25 },
+        &parameters.verifiers.likeness,
     );
     Ok(Stage::Loop {
         fuser: Box::new(Fuser::new(fuser.clone(), sound).map_err(wrong)?),

@@ -129,6 +129,7 @@ fn as_in_the_paper(more: &[(&str, Value)]) -> Value {
         "fuser": { "shares": { "detected": 0.0 } },
         "encounter": { "margin": 9.0, "stranger": 9.0 },
         "re_entry": { "enabled": false },
+        "verifiers": { "likeness": { "enabled": false } },
     });
     for (path, value) in more {
         let mut place = &mut parameters;

@@ -51,6 +51,8 @@ const OWN: &[Limit] = &[
     ("verifiers.colour.floor", -1000.0, 0.0),
     ("verifiers.sound.exponent", 0.0, 100.0),
     ("verifiers.sound.floor", -1000.0, 0.0),
+    ("verifiers.likeness.exponent", 0.0, 100.0),
+    ("verifiers.likeness.floor", -1000.0, 0.0),
     seconds("faces.period_s"),
     ("faces.smallest_px", 1.0, 10_000.0),
     ("faces.neighbours", 0.0, 1e6),

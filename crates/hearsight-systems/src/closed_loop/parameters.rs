@@ -40,6 +40,10 @@ pub struct Verifiers {
     pub colour: Verifier,
     /// Height of the correlation curve (eqs. 23-24). Default exponent 2, floor -3.
     pub sound: Verifier,
+    /// Likeness of the head's colours to those learnt, -d^2 / (2 0.25^2) of the Bhattacharyya distance d. Default exponent 2,
+    /// floor -8. Not in the paper, whose verifiers know no person: shelves and posters have edges and contrast too, and so
+    /// have other people.
+    pub likeness: Verifier,
 }
 
 impl Default for Verifiers {
@@ -54,6 +58,7 @@ impl Default for Verifiers {
             contour_lines: 16,
             colour: on(6.0, -2.0),
             sound: on(2.0, -3.0),
+            likeness: on(2.0, -8.0),
         }
     }
 }
