@@ -32,9 +32,6 @@ pub struct SteeredArraySettings {
     pub gate_db: f32,
     /// Where voice is told from noise, lowest and highest frequency, hertz. Default 300 to 6000; machines hum below.
     pub voice_hz: [f64; 2],
-    /// Length of the end of a frame by which it is told whether there is voice, seconds, above 0; at most the whole frame
-    /// counts. Default 0.06: a frame that is long enough for a place would be late where a voice begins or ends.
-    pub voice_s: f64,
     /// When sound counts as voice, by the mean in decibels over 12 bands of equal ratio between these frequencies, each
     /// above its own noise floor. Default on at 4 dB, off at 3 dB: such a mean hardly scatters.
     pub activity: ActivitySettings,
@@ -53,7 +50,6 @@ impl Default for SteeredArraySettings {
             },
             gate_db: 3.0,
             voice_hz: [300.0, 6000.0],
-            voice_s: 0.06,
             activity: ActivitySettings {
                 on_db: 4.0,
                 off_db: 3.0,
@@ -96,11 +92,6 @@ pub struct SteeredPercepts {
     state: SteeredState,
     analyzer: SpectrumAnalyzer,
     spectra: Spectra,
-    /// The same of a frame's end, by which voice is told.
-    end: SpectrumAnalyzer,
-    end_frame: Vec<Vec<f32>>,
-    end_spectra: Spectra,
-    end_power: Vec<f32>,
     response: SteeredResponse,
     /// Least power over that of the noise at which a frequency counts.
     gate: f32,
@@ -155,25 +146,15 @@ impl SteeredPercepts {
         }
         let transform = transform_length(frames.length, microphones.max_delay_s(), array.rate_hz);
         let analyzer = SpectrumAnalyzer::new(frames.length, transform, Window::Hann)?;
-        if !(settings.voice_s > 0.0 && settings.voice_s <= 2.0) {
-            return Err(AudioError::Setting {
-                name: "voice_s",
-                rule: "above 0, at most 2",
-                value: settings.voice_s,
-            });
-        }
-        let end_length = (samples(settings.voice_s) as usize).min(frames.length);
-        let end_transform = transform_length(end_length, 0.0, array.rate_hz);
-        let end = SpectrumAnalyzer::new(end_length, end_transform, Window::Hann)?;
-        let bands = bands(settings.voice_hz, array.rate_hz, end_transform)?;
+        let bands = bands(settings.voice_hz, array.rate_hz, transform)?;
         let narrowest = bands.iter().map(Range::len).min().unwrap_or(0) as f64;
         // Zeros that fill the transform add no knowledge, and the window makes neighbours alike.
-        let independent = narrowest * end_length as f64 / end_transform as f64 / 1.5;
+        let independent = narrowest * frames.length as f64 / transform as f64 / 1.5;
         let floors = NoiseFloor::of_bands(
             &settings.noise,
             frames.hop_s(),
             BANDS,
-            end.window_energy(),
+            analyzer.window_energy(),
             independent,
         )?;
         let noise_of_bins = NoiseFloor::of_spectra(
@@ -187,10 +168,6 @@ impl SteeredPercepts {
             bands,
             band_powers: [0.0; BANDS],
             power: vec![0.0; analyzer.bins()],
-            end_frame: vec![Vec::with_capacity(end_length); array.channels],
-            end_spectra: Spectra::default(),
-            end_power: vec![0.0; end.bins()],
-            end,
             analyzer,
             spectra: Spectra::default(),
             response: SteeredResponse::new(&microphones, transform, array.rate_hz, settings.response)?,
@@ -247,20 +224,12 @@ impl SteeredPercepts {
         let (analyzer, spectra, response) = (&mut self.analyzer, &mut self.spectra, &mut self.response);
         let (gate, powers_of_bins) = (self.gate, &mut self.power);
         let (bands, powers) = (&self.bands, &mut self.band_powers);
-        let (end, end_frame, end_spectra) = (&mut self.end, &mut self.end_frame, &mut self.end_spectra);
-        let powers_of_end = &mut self.end_power;
         let mut failed = 0;
         let pushed = framer.push(block, |frame| {
             let observed = analyzer.transform_all(frame.channels, spectra).and_then(|()| {
                 mean_power(spectra, powers_of_bins);
-                for (part, channel) in end_frame.iter_mut().zip(frame.channels) {
-                    part.clear();
-                    part.extend_from_slice(&channel[channel.len().saturating_sub(end.length())..]);
-                }
-                end.transform_all(end_frame, end_spectra)?;
-                mean_power(end_spectra, powers_of_end);
                 for (power, band) in powers.iter_mut().zip(bands) {
-                    let sum: f32 = powers_of_end[band.clone()].iter().sum();
+                    let sum: f32 = powers_of_bins[band.clone()].iter().sum();
                     *power = sum / band.len() as f32;
                 }
                 if frame.filled == 0 {
