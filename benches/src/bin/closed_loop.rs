@@ -4,8 +4,10 @@
 //! closed_loop speed              times real time on one thread, decoding left out, for 1 to 6 people in 320x240 pictures
 //!                                at 15 a second with the sound of two microphones, faces searched every 10 s and every 1 s,
 //!                                and how linear the time is in people
-//! closed_loop verifier NAME N    lets a verifier (contour, contrast, curve, or none) judge 100 hypotheses N times: for
-//!                                `valgrind --tool=callgrind`, whose counts of two N give the instructions of one
+//! closed_loop steps PEOPLE N     follows so many people through the measured pictures N times: for a profiler
+//! closed_loop verifier NAME N    lets a verifier (contour, contrast, curve, or none) judge 200 hypotheses of each of N
+//!                                pictures: for `valgrind --tool=callgrind`; the counts of a verifier and of none with
+//!                                the same N, apart from each other, are those of N times 200 hypotheses
 //! ```
 
 use hearsight_benches::Failure;
@@ -14,11 +16,12 @@ use hearsight_core::moment::{Moment, Observed};
 use hearsight_core::record::Scene;
 use hearsight_core::room::{ArraySensor, CameraSensor, Room};
 use hearsight_core::{AudioBlock, Instant, Pose, Rectangle, Span, VideoFrame, WorldPoint};
+use hearsight_filter::{generator, standard_normal};
 use hearsight_systems::build;
 use hearsight_tracking::belief::Appearance;
+use hearsight_tracking::body::UprightEllipse;
 use hearsight_tracking::cues::{ContourCue, ContrastCue, Cue, CurveCue, CurveGeometry, Hypotheses};
 use hearsight_tracking::percepts::{ArrayPercepts, ArraySettings, CameraPercepts, CameraSettings, Weighting};
-use hearsight_vision::contour::LineLikelihood;
 use rustix::time::{ClockId, clock_gettime};
 use serde_json::json;
 
@@ -38,8 +41,9 @@ fn main() -> Result<(), Failure> {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
         ["speed"] => speed(),
+        ["steps", people, count] => steps(people.parse()?, count.parse()?),
         ["verifier", name, count] => verifier(name, count.parse()?),
-        _ => Err("give `speed`, or `verifier NAME N`".into()),
+        _ => Err("give `speed`, `steps PEOPLE N`, or `verifier NAME N`".into()),
     }
 }
 
@@ -203,27 +207,52 @@ fn processor_s() -> f64 {
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
+/// A system's saved state when so many people have become tracks.
+fn born(people: usize, room: &Room) -> Result<Vec<u8>, Failure> {
+    // People are born from change, and then followed by the paper's system, which does not look for it.
+    let faces = json!({ "cascades": [] });
+    let given = json!({ "changes": true, "faces": faces });
+    let mut system = build("closed-loop", &given, room, 1)?;
+    let mut scene = Scene::default();
+    for number in 0..FIRST {
+        system.step(&moment(number, people), &mut scene);
+    }
+    Ok(system.save()?)
+}
+
+fn measured(people: usize) -> Vec<Moment> {
+    (FIRST..FIRST + MEASURED)
+        .map(|number| moment(number, people))
+        .collect()
+}
+
+fn steps(people: usize, count: usize) -> Result<(), Failure> {
+    let room = room()?;
+    let saved = born(people, &room)?;
+    let moments = measured(people);
+    let mut scene = Scene::default();
+    for _ in 0..count {
+        let given = json!({ "changes": false, "faces": { "period_s": 10.0 } });
+        let mut system = build("closed-loop", &given, &room, 1)?;
+        system.restore(&saved)?;
+        let begin = processor_s();
+        for moment in &moments {
+            system.step(moment, &mut scene);
+        }
+        let each_ms = 1e3 * (processor_s() - begin) / moments.len() as f64;
+        println!("{} tracks, {each_ms:.3} ms a picture", scene.tracks.len());
+    }
+    Ok(())
+}
+
 fn speed() -> Result<(), Failure> {
     println!("people  tracks  seconds/picture (10 s)  times real time  (1 s)     times real time");
     let mut points = Vec::new();
     for people in 1..=6 {
         let room = room()?;
-        // People are born from change, and then followed by the paper's system, which does not look for it.
-        let faces = json!({ "cascades": [] });
-        let mut born = build(
-            "closed-loop",
-            &json!({ "changes": true, "faces": faces }),
-            &room,
-            1,
-        )?;
+        let saved = born(people, &room)?;
+        let moments = measured(people);
         let mut scene = Scene::default();
-        for number in 0..FIRST {
-            born.step(&moment(number, people), &mut scene);
-        }
-        let saved = born.save()?;
-        let moments: Vec<Moment> = (FIRST..FIRST + MEASURED)
-            .map(|number| moment(number, people))
-            .collect();
         let mut seconds = [0.0; 2];
         for (seconds, period_s) in seconds.iter_mut().zip([10.0, 1.0]) {
             let given = json!({ "changes": false, "faces": { "period_s": period_s } });
@@ -287,19 +316,23 @@ fn verifier(name: &str, count: usize) -> Result<(), Failure> {
     if !heard.has_onset() {
         return Err("nothing is heard".into());
     }
-    seen.see(&picture(FIRST, 6));
+    let shown = picture(FIRST, 6);
     let [x, y] = place(1, FIRST);
-    let regions: Vec<Rectangle> = (0..100)
-        .map(|k| {
-            let [across, down] = [(k % 10) as f32 - 4.5, (k / 10) as f32 - 4.5];
-            Rectangle::from_centre(x + across, y + down, 20.0, 24.0)
+    // As many as one person has, spread about as widely.
+    let mut generator = generator(1, "hypotheses", 0);
+    let regions: Vec<Rectangle> = (0..200)
+        .map(|_| {
+            let [across, down, larger] =
+                [3.0, 3.0, 0.8].map(|px| px * standard_normal(&mut generator) as f32);
+            let half = 12.0 + larger;
+            UprightEllipse::bounds(x + across, y + down, half)
         })
         .collect();
-    let sounds: Vec<Option<WorldPoint>> = (0..100)
-        .map(|k| Some(WorldPoint::new(3.0, 0.5 - 0.01 * f64::from(k), 1.5)))
+    let sounds: Vec<Option<WorldPoint>> = (0..200)
+        .map(|k| Some(WorldPoint::new(3.0, 0.5 - 0.005 * f64::from(k), 1.5)))
         .collect();
     let cue: Option<Box<dyn Cue>> = match name {
-        "contour" => Some(Box::new(ContourCue::new(LineLikelihood::default(), 16, 8.0)?)),
+        "contour" => Some(Box::new(ContourCue)),
         "contrast" => Some(Box::new(ContrastCue)),
         "curve" => Some(Box::new(CurveCue::new(CurveGeometry::World))),
         "none" => None,
@@ -309,6 +342,8 @@ fn verifier(name: &str, count: usize) -> Result<(), Failure> {
     let mut scores = vec![0.0; regions.len()];
     let mut sum = 0.0;
     for _ in 0..count {
+        // Anew every time: what hypotheses share is made once a picture.
+        seen.see(&shown);
         if let Some(cue) = &cue {
             cue.score(
                 &Hypotheses {

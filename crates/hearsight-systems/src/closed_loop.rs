@@ -167,14 +167,8 @@ fn stage(
         }
     };
     let fuser = &parameters.fuser;
-    let contour = ContourCue::new(
-        fuser.contour.line,
-        parameters.verifiers.contour_lines,
-        fuser.contour.edges.least_strength,
-    )
-    .map_err(wrong)?;
     add(
-        Box::new(contour),
+        Box::new(ContourCue),
         Calibration::Logarithm,
         &parameters.verifiers.contour,
     );

@@ -128,15 +128,24 @@ fn weigh(
     let count = belief.particles.count();
     scratch.scores.resize_with(cues.len(), Vec::new);
     scratch.evidence.clear();
+    let mut mapped = None;
     for (cue, scores) in cues.iter().zip(&mut scratch.scores) {
         scores.clear();
         scores.resize(count, 0.0);
-        scratch.regions.clear();
-        scratch.sounds.clear();
-        match cue.subject() {
-            Subject::Regions(part) => sight.body.regions(&belief.particles, part, &mut scratch.regions),
-            Subject::Sounds => {
-                sight.body.sound_points(&belief.particles, &mut scratch.sounds);
+        if !cue.has_evidence(sight.camera, sight.array) {
+            scratch.evidence.push(Evidence::Missing);
+            continue;
+        }
+        let subject = cue.subject();
+        if mapped != Some(subject) {
+            mapped = Some(subject);
+            scratch.regions.clear();
+            scratch.sounds.clear();
+            match subject {
+                Subject::Regions(part) => sight.body.regions(&belief.particles, part, &mut scratch.regions),
+                Subject::Sounds => {
+                    sight.body.sound_points(&belief.particles, &mut scratch.sounds);
+                }
             }
         }
         scratch.evidence.push(cue.score(

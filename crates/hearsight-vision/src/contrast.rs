@@ -2,11 +2,15 @@
 //! Rui, equation 21).
 //!
 //! Made for hundreds of ellipses on one picture; colours are binned coarsely, eight values a channel. An ellipse is given
-//! by the [`Rectangle`] it touches from inside.
+//! by the [`Rectangle`] it touches from inside. Of ellipses near each other, as those of one person are, the counts come
+//! from sums along rows that are taken once; all others are counted pixel by pixel.
+
+mod table;
 
 use crate::VisionError;
 use hearsight_core::{Rectangle, RgbView};
 use serde::{Deserialize, Serialize};
+use table::{Shape, Table};
 
 /// How an object is compared with its surroundings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,6 +34,10 @@ impl Default for ContrastOptions {
 
 /// Bins of all channels together.
 const BINS: usize = 512;
+/// Fewer ellipses than this are not worth sums along rows.
+const MANY: usize = 24;
+/// Size of the part that is summed up, over that of a ring: about as far as one person's hypotheses are spread.
+const WINDOW: f32 = 2.0;
 
 /// The coarse colours of a picture, and buffers.
 #[derive(Clone, Debug)]
@@ -45,12 +53,21 @@ pub struct ContrastPicture {
 pub struct ContrastScratch {
     /// Two counts a bin of the object and two of the ring, so that neighbours of one colour need not wait for each other.
     counts: Box<[[[u16; 2]; 2]; BINS]>,
+    table: Table,
+    /// Ellipses that are some, with their places.
+    shapes: Vec<(usize, Shape)>,
+    columns: Vec<f32>,
+    rows: Vec<f32>,
 }
 
 impl Default for ContrastScratch {
     fn default() -> Self {
         Self {
             counts: Box::new([[[0; 2]; 2]; BINS]),
+            table: Table::default(),
+            shapes: Vec::new(),
+            columns: Vec::new(),
+            rows: Vec::new(),
         }
     }
 }
@@ -85,27 +102,69 @@ impl ContrastPicture {
     /// Writes the coefficient of each ellipse's colours and those of its ring into `scores`: 0 nothing in common, 1 the
     /// same; 1 as well where either is not in the picture, and not a number for an ellipse that is none.
     pub fn score(&self, ellipses: &[Rectangle], scratch: &mut ContrastScratch, scores: &mut [f32]) {
-        for (score, bounds) in scores.iter_mut().zip(ellipses) {
-            *score = if bounds.is_finite() {
-                self.score_one(bounds, scratch)
-            } else {
-                f32::NAN
-            };
+        let mut shapes = std::mem::take(&mut scratch.shapes);
+        shapes.clear();
+        for (place, (score, bounds)) in scores.iter_mut().zip(ellipses).enumerate() {
+            *score = if bounds.is_finite() { 1.0 } else { f32::NAN };
+            shapes.extend(self.shape(bounds).map(|shape| (place, shape)));
         }
+        shapes.sort_unstable_by_key(|(place, shape)| (shape.step, *place));
+        for alike in shapes.chunk_by(|a, b| a.1.step == b.1.step) {
+            let window = if alike.len() < MANY {
+                None
+            } else {
+                self.load(alike, scratch)
+            };
+            for (place, shape) in alike {
+                scores[*place] = match window {
+                    Some(window) if is_within(shape, &window) => scratch.table.score(shape).unwrap_or(1.0),
+                    _ => self.count(shape, scratch),
+                };
+            }
+        }
+        scratch.shapes = shapes;
     }
 
-    fn score_one(&self, bounds: &Rectangle, scratch: &mut ContrastScratch) -> f32 {
+    /// An ellipse and its ring, and which pixels of it are read; none where it is none.
+    fn shape(&self, bounds: &Rectangle) -> Option<Shape> {
         let (x, y) = bounds.centre();
-        let (x, y) = (x - 0.5, y - 0.5);
-        let (inner_width, inner_height) = (0.5 * bounds.width, 0.5 * bounds.height);
-        if !(inner_width > 0.0 && inner_height > 0.0) {
-            return 1.0;
-        }
-        let ring = self.options.ring;
-        let (outer_width, outer_height) = (ring * inner_width, ring * inner_height);
-        let area = std::f32::consts::PI * outer_width * outer_height;
+        let inner = [0.5 * bounds.width, 0.5 * bounds.height];
+        let outer = inner.map(|half| self.options.ring * half);
+        let area = std::f32::consts::PI * outer[0] * outer[1];
         let whole = self.width as f32 * self.height as f32;
-        let step = ((area.min(whole) / self.options.pixels as f32).sqrt().ceil() as usize).max(1);
+        let is_one = bounds.is_finite() && area.is_finite() && inner.iter().all(|half| *half > 0.0);
+        is_one.then(|| Shape {
+            x: x - 0.5,
+            y: y - 0.5,
+            inner,
+            outer,
+            step: ((area.min(whole) / self.options.pixels as f32).sqrt().ceil() as usize).max(1),
+        })
+    }
+
+    /// Sums up what is around the middle one of ellipses of about one size; returns which part of the picture that is.
+    fn load(&self, shapes: &[(usize, Shape)], scratch: &mut ContrastScratch) -> Option<Rectangle> {
+        let median = |values: &mut Vec<f32>, of: &dyn Fn(&Shape) -> f32| {
+            values.clear();
+            values.extend(shapes.iter().map(|(_, shape)| of(shape)));
+            let middle = values.len() / 2;
+            *values.select_nth_unstable_by(middle, f32::total_cmp).1
+        };
+        let x = median(&mut scratch.columns, &|shape| shape.x);
+        let y = median(&mut scratch.rows, &|shape| shape.y);
+        let width = median(&mut scratch.columns, &|shape| shape.outer[0]);
+        let height = median(&mut scratch.rows, &|shape| shape.outer[1]);
+        let step = shapes.first()?.1.step;
+        let window = Rectangle::from_centre(x, y, 2.0 * WINDOW * width, 2.0 * WINDOW * height);
+        let picture = [self.width, self.height];
+        scratch.table.load(&self.bins, picture, &window, step, BINS);
+        Some(window)
+    }
+
+    /// Counts pixel by pixel.
+    fn count(&self, shape: &Shape, scratch: &mut ContrastScratch) -> f32 {
+        let Shape { x, y, step, .. } = *shape;
+        let ([inner_width, inner_height], [outer_width, outer_height]) = (shape.inner, shape.outer);
         scratch.counts.fill([[0; 2]; 2]);
         let counts = &mut *scratch.counts;
         let (mut inside, mut outside) = (0_u32, 0_u32);
@@ -159,6 +218,14 @@ impl ContrastPicture {
             .sum();
         (product / (inside as f32 * outside as f32).sqrt()).min(1.0)
     }
+}
+
+/// Whether an ellipse and its ring are within a part of the picture, or beside the picture where the part is.
+fn is_within(shape: &Shape, window: &Rectangle) -> bool {
+    shape.x - shape.outer[0] >= window.left
+        && shape.x + shape.outer[0] <= window.right()
+        && shape.y - shape.outer[1] >= window.top
+        && shape.y + shape.outer[1] <= window.bottom()
 }
 
 #[cfg(test)]
@@ -228,6 +295,54 @@ mod tests {
             scores[0] < 0.05 && scores[1] > scores[0] + 0.1 && scores[2] > scores[0] + 0.1,
             "{scores:?}"
         );
+    }
+
+    #[test]
+    fn sums_along_rows_count_what_reading_every_pixel_counts() {
+        let (_, data) = picture();
+        for pixels in [60_000, 700, 150] {
+            let mut picture = ContrastPicture::new(ContrastOptions {
+                pixels,
+                ..ContrastOptions::default()
+            })
+            .unwrap();
+            picture.compute(RgbView::new(SIZE.0, SIZE.1, &data).unwrap());
+            // Around the middle, at the picture's corner, and beside it.
+            for (x, y) in [(60.0, 50.0), (4.0, 6.0), (118.0, 97.0), (-9.0, 50.0)] {
+                let ellipses: Vec<Rectangle> = (0..300_u16)
+                    .map(|k| {
+                        let k = f32::from(k);
+                        let size = 20.0 + (0.83 * k) % 8.0;
+                        let (across, down) = ((1.37 * k) % 24.0 - 12.0, (2.11 * k) % 18.0 - 9.0);
+                        Rectangle::from_centre(x + across, y + down, size, 1.2 * size)
+                    })
+                    .collect();
+                let mut scratch = ContrastScratch::default();
+                let mut scores = vec![0.0; ellipses.len()];
+                picture.score(&ellipses, &mut scratch, &mut scores);
+                for (score, bounds) in scores.iter().zip(&ellipses) {
+                    let expected = picture.count(&picture.shape(bounds).unwrap(), &mut scratch);
+                    assert!(
+                        (score - expected).abs() < 2e-5,
+                        "{pixels} {bounds:?}: {score} {expected}"
+                    );
+                }
+                let shape = |bounds: &Rectangle| picture.shape(bounds).map(|shape| (0, shape));
+                let mut shapes: Vec<_> = ellipses.iter().filter_map(shape).collect();
+                let step = shapes[0].1.step;
+                shapes.retain(|(_, shape)| shape.step == step);
+                let window = picture.load(&shapes, &mut scratch).unwrap();
+                shapes.retain(|(_, shape)| is_within(shape, &window));
+                assert!(shapes.len() > 40, "{} in {window:?}", shapes.len());
+                for (_, shape) in &shapes {
+                    let (summed, counted) = (scratch.table.score(shape), picture.count(shape, &mut scratch));
+                    assert!(
+                        (summed.unwrap_or(1.0) - counted).abs() < 2e-5,
+                        "{shape:?}: {summed:?} {counted}"
+                    );
+                }
+            }
+        }
     }
 
     #[test]

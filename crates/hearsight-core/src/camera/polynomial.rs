@@ -76,7 +76,8 @@ pub(super) fn inverse_of_rising(
             low = x;
         }
         let newton = x - (value - target) / slope;
-        let next = if newton > low && newton < high {
+        // One end of the bracket is x itself: a step of nothing is an answer, not a reason to halve.
+        let next = if newton >= low && newton <= high {
             newton
         } else {
             low + (high - low) / 2.0
@@ -92,6 +93,29 @@ pub(super) fn inverse_of_rising(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_inverse_takes_few_steps() {
+        let steps = |factor: [f64; 4], slope: [f64; 4], target: f64| {
+            let count = std::cell::Cell::new(0);
+            let found = inverse_of_rising(
+                |x| {
+                    count.set(count.get() + 1);
+                    (x * evaluate(&factor, x * x), evaluate(&slope, x * x))
+                },
+                target,
+                5.0,
+            );
+            (found.unwrap(), count.get())
+        };
+        // A lens that bends nothing, and one that does.
+        assert_eq!(steps([1.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], 0.37), (0.37, 2));
+        for target in [0.01, 0.2, 0.37, 0.8] {
+            let (k1, k2) = (-0.1, 0.02);
+            let (_, count) = steps([1.0, k1, k2, 0.0], [1.0, 3.0 * k1, 5.0 * k2, 0.0], target);
+            assert!(count < 12, "{target}: {count}");
+        }
+    }
 
     #[test]
     fn finds_the_first_of_several_roots() {

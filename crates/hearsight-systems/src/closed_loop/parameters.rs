@@ -1,6 +1,6 @@
 //! Parameters of the closed-loop system: what the paper gives, and proposals where it is silent.
 
-use hearsight_tracking::body::HeadBoxSettings;
+use hearsight_tracking::body::{ASPECT, HeadBoxSettings};
 use hearsight_tracking::closed_loop::FuserSettings;
 use hearsight_tracking::life_cycle::{
     AssociationSettings, BirthSettings, EncounterSettings, ExclusionSettings, ExistenceSettings,
@@ -8,7 +8,7 @@ use hearsight_tracking::life_cycle::{
 };
 use hearsight_tracking::momentum::MomentumSettings;
 use hearsight_tracking::percepts::{
-    ArraySettings, CameraSettings, FaceCascade, FaceSettings, Mirror, Weighting,
+    ArraySettings, CameraSettings, FaceCascade, FaceSettings, Mirror, OutlineOptions, Weighting,
 };
 use hearsight_tracking::speaker::SpeakerSettings;
 use hearsight_tracking::tracker::AppearanceSettings;
@@ -225,6 +225,12 @@ impl Parameters {
             },
             changes: self.changes,
             outlines: true,
+            outline: OutlineOptions {
+                line: self.fuser.contour.line,
+                lines: self.verifiers.contour_lines,
+                least_strength: self.fuser.contour.edges.least_strength,
+                aspect: ASPECT,
+            },
             ..self.vision.clone()
         }
     }

@@ -5,8 +5,6 @@
 
 use super::{Cue, CueInfo, Evidence, Hypotheses, Subject};
 use crate::body::Part;
-use hearsight_vision::VisionError;
-use hearsight_vision::contour::{ContourScorer, LineLikelihood};
 
 pub(super) const INFO: CueInfo = CueInfo {
     name: "contour",
@@ -18,22 +16,8 @@ pub(super) const INFO: CueInfo = CueInfo {
 };
 
 /// Scores outlines of heads.
-#[derive(Clone, Debug)]
-pub struct ContourCue {
-    scorer: ContourScorer,
-}
-
-impl ContourCue {
-    /// A cue that reads so many lines, edges of at least `least_strength` (grey levels a pixel).
-    ///
-    /// # Errors
-    /// [`VisionError::Parameter`] where a number is outside its range.
-    pub fn new(line: LineLikelihood, lines: usize, least_strength: f32) -> Result<Self, VisionError> {
-        Ok(Self {
-            scorer: ContourScorer::new(line, lines, least_strength)?,
-        })
-    }
-}
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ContourCue;
 
 impl Cue for ContourCue {
     fn info(&self) -> &'static CueInfo {
@@ -45,10 +29,10 @@ impl Cue for ContourCue {
     }
 
     fn score(&self, hypotheses: &Hypotheses<'_>, scores: &mut [f32]) -> Evidence {
-        let Some(gradients) = hypotheses.camera.gradients() else {
-            return Evidence::Missing;
-        };
-        self.scorer.score(gradients, hypotheses.regions, scores);
-        Evidence::Scored
+        if hypotheses.camera.outline_scores(hypotheses.regions, scores) {
+            Evidence::Scored
+        } else {
+            Evidence::Missing
+        }
     }
 }

@@ -6,6 +6,7 @@
 
 use super::{Cue, CueInfo, Evidence, Hypotheses, Subject};
 use crate::body::Part;
+use crate::percepts::{ArrayPercepts, CameraPercepts};
 use hearsight_audio::bearing::PairBearing;
 
 pub(super) const INFO: CueInfo = CueInfo {
@@ -53,13 +54,17 @@ impl Cue for CurveCue {
         }
     }
 
+    fn has_evidence(&self, _: &CameraPercepts, array: Option<&ArrayPercepts>) -> bool {
+        array.is_some_and(|array| array.has_sound() && array.has_onset())
+    }
+
     fn score(&self, hypotheses: &Hypotheses<'_>, scores: &mut [f32]) -> Evidence {
-        let heard = hypotheses
-            .array
-            .filter(|array| array.has_sound() && array.has_onset());
-        let Some(array) = heard else {
+        let Some(array) = hypotheses.array else {
             return Evidence::Missing;
         };
+        if !self.has_evidence(hypotheses.camera, hypotheses.array) {
+            return Evidence::Missing;
+        }
         let share = |height: f32| 1.0 - hypotheses.speaking * (1.0 - height);
         match self.geometry {
             CurveGeometry::World => {

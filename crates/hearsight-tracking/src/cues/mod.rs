@@ -93,6 +93,12 @@ pub trait Cue: Send + Sync {
     /// What it wants to be given.
     fn subject(&self) -> Subject;
 
+    /// Whether it has anything to score against now. Where not, its evidence is missing, and nobody need map hypotheses for
+    /// it. Default true: [`Cue::score`] says.
+    fn has_evidence(&self, _camera: &CameraPercepts, _array: Option<&ArrayPercepts>) -> bool {
+        true
+    }
+
     /// Writes one raw score a hypothesis into `scores`.
     fn score(&self, hypotheses: &Hypotheses<'_>, scores: &mut [f32]) -> Evidence;
 }

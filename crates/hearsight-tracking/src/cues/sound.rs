@@ -6,6 +6,7 @@
 //! The raw score is R_n(tau(x)) = max(R, 0) / max R, which fusion turns into the likelihood of eq. 8 (corrected, E4).
 
 use super::{Cue, CueInfo, Evidence, Hypotheses, Subject};
+use crate::percepts::{ArrayPercepts, CameraPercepts};
 
 pub(super) const INFO: CueInfo = CueInfo {
     name: "sound",
@@ -30,6 +31,10 @@ impl Cue for SoundCue {
 
     fn subject(&self) -> Subject {
         Subject::Sounds
+    }
+
+    fn has_evidence(&self, _: &CameraPercepts, array: Option<&ArrayPercepts>) -> bool {
+        array.is_some_and(ArrayPercepts::has_onset)
     }
 
     fn score(&self, hypotheses: &Hypotheses<'_>, scores: &mut [f32]) -> Evidence {

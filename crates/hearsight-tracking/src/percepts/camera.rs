@@ -5,7 +5,7 @@ use hearsight_core::{Mask, Rectangle, RgbView, Span, VideoFrame};
 use hearsight_vision::VisionError;
 use hearsight_vision::background::{BackgroundModel, BackgroundOptions, BackgroundState};
 use hearsight_vision::change::{ChangeDetector, ChangeOptions};
-use hearsight_vision::contour::GradientPicture;
+use hearsight_vision::contour::{GradientPicture, OutlineMap, OutlineOptions};
 use hearsight_vision::contrast::{ContrastOptions, ContrastPicture, ContrastScratch};
 use hearsight_vision::histogram::{BinPicture, Histogram, HistogramOptions, HistogramScratch, Similarity};
 use hearsight_vision::mask::CleanOptions;
@@ -31,6 +31,9 @@ pub struct CameraSettings {
     pub changes: bool,
     /// Whether outlines and the contrast of objects are looked at. Default false.
     pub outlines: bool,
+    /// How outlines are scored, where they are looked at. Whoever looks at them says so elsewhere among its parameters.
+    #[serde(skip)]
+    pub outline: OutlineOptions,
     /// How an object is compared with what is around it, where outlines are looked at.
     pub contrast: ContrastOptions,
 }
@@ -52,6 +55,7 @@ impl Default for CameraSettings {
             histogram: HistogramOptions::default(),
             changes: true,
             outlines: false,
+            outline: OutlineOptions::default(),
             contrast: ContrastOptions::default(),
         }
     }
@@ -98,10 +102,10 @@ pub struct CameraPercepts {
     unreadable: u64,
 }
 
-#[derive(Default)]
 struct Scratch {
     histogram: HistogramScratch,
     scores: Vec<Similarity>,
+    outlines: OutlineMap,
     contrast: ContrastScratch,
 }
 
@@ -127,6 +131,12 @@ impl CameraPercepts {
             bins: BinPicture::new(settings.histogram)?,
             gradients: GradientPicture::default(),
             contrast: ContrastPicture::new(settings.contrast)?,
+            scratch: RefCell::new(Scratch {
+                histogram: HistogramScratch::default(),
+                scores: Vec::new(),
+                outlines: OutlineMap::new(settings.outline)?,
+                contrast: ContrastScratch::default(),
+            }),
             settings,
             state: CameraState::default(),
             change: Mask::default(),
@@ -136,7 +146,6 @@ impl CameraPercepts {
             heads: Vec::new(),
             detections: Vec::new(),
             faces,
-            scratch: RefCell::default(),
             unreadable: 0,
         })
     }
@@ -202,6 +211,7 @@ impl CameraPercepts {
         self.bins.compute(picture);
         if self.settings.outlines {
             self.gradients.compute(picture);
+            self.scratch.get_mut().outlines.begin(&self.gradients);
             self.contrast.compute(picture);
         }
         self.state.size = size;
@@ -311,6 +321,17 @@ impl CameraPercepts {
     /// The gradients of the newest picture; none where outlines are not looked at or there was no picture.
     pub fn gradients(&self) -> Option<&GradientPicture> {
         (self.settings.outlines && self.state.size != (0, 0)).then_some(&self.gradients)
+    }
+
+    /// Writes how well edges agree with each ellipse (mean over its lines of the logarithm of equation 10) into `scores`;
+    /// false, changing nothing, where outlines are not looked at or there was no picture.
+    pub fn outline_scores(&self, ellipses: &[Rectangle], scores: &mut [f32]) -> bool {
+        if !self.settings.outlines || self.state.size == (0, 0) || ellipses.len() != scores.len() {
+            return false;
+        }
+        let scratch = &mut *self.scratch.borrow_mut();
+        scratch.outlines.score(&self.gradients, ellipses, scores);
+        true
     }
 
     /// Writes how like its surroundings each ellipse is (Bhattacharyya coefficient, 0 to 1) into `scores`; false, changing

@@ -25,6 +25,7 @@ pub use faces::{CameraError, FaceCascade, FaceSettings};
 pub use hearsight_audio::bearing::PairBearing;
 pub use hearsight_audio::weighting::Weighting;
 pub use hearsight_vision::cascade::Mirror;
+pub use hearsight_vision::contour::OutlineOptions;
 pub(crate) use round::beside;
 pub use round::{RoundPicture, Turn};
 pub use steered::{HeardFrame, SteeredArraySettings, SteeredPercepts, SteeredState};

@@ -45,7 +45,7 @@ impl LineLikelihood {
     }
 
     /// How much a single edge at the outline speaks for it.
-    fn gain(&self) -> f32 {
+    pub(super) fn gain(&self) -> f32 {
         1.0 / ((2.0 * std::f32::consts::PI).sqrt() * self.deviation_px * self.missed * self.clutter)
     }
 
@@ -112,7 +112,12 @@ impl ContourScorer {
         }
     }
 
-    fn score_one(&self, gradients: &GradientPicture, bounds: &Rectangle) -> f32 {
+    /// Pixels of a line that are read on each side of the outline.
+    pub(super) fn reach(&self) -> usize {
+        self.reach
+    }
+
+    pub(super) fn score_one(&self, gradients: &GradientPicture, bounds: &Rectangle) -> f32 {
         if !bounds.is_finite() {
             return f32::NAN;
         }
