@@ -5,7 +5,7 @@
 //!                                at 15 a second with the sound of two microphones, faces searched every 10 s and every 1 s,
 //!                                and how linear the time is in people
 //! closed_loop steps PEOPLE N     follows so many people through the measured pictures N times: for a profiler
-//! closed_loop verifier NAME N    lets a verifier (contour, contrast, curve, or none) judge 200 hypotheses of each of N
+//! closed_loop verifier NAME N    lets a verifier (contour, contrast, curve, likeness, or none) judge 200 hypotheses of each of N
 //!                                pictures: for `valgrind --tool=callgrind`; the counts of a verifier and of none with
 //!                                the same N, apart from each other, are those of N times 200 hypotheses
 //! ```
@@ -19,14 +19,19 @@ use hearsight_core::{AudioBlock, Instant, Pose, Rectangle, Span, VideoFrame, Wor
 use hearsight_filter::{generator, standard_normal};
 use hearsight_systems::build;
 use hearsight_tracking::belief::Appearance;
-use hearsight_tracking::body::UprightEllipse;
-use hearsight_tracking::cues::{ContourCue, ContrastCue, Cue, CurveCue, CurveGeometry, Hypotheses};
+use hearsight_tracking::body::{Part, UprightEllipse};
+use hearsight_tracking::cues::{
+    ColourCue, ContourCue, ContrastCue, Cue, CurveCue, CurveGeometry, Hypotheses,
+};
 use hearsight_tracking::percepts::{ArrayPercepts, ArraySettings, CameraPercepts, CameraSettings, Weighting};
+use hearsight_vision::histogram::Histogram;
 use rustix::time::{ClockId, clock_gettime};
 use serde_json::json;
 
 const WIDTH: usize = 320;
 const HEIGHT: usize = 240;
+/// Wide enough for twelve people side by side.
+const WIDE: usize = 2 * WIDTH;
 const RATE_HZ: u32 = 16_000;
 const PICTURES_S: usize = 15;
 /// Pictures in which people appear and become tracks, and those that are measured.
@@ -64,24 +69,21 @@ fn appears(person: usize) -> usize {
     APPEAR + WALK * (person / 4)
 }
 
-/// Where the middle of a person's head is, pixels: two rows of six.
+/// Where the middle of a person's head is, pixels: in a row.
 fn place(person: usize, picture: usize) -> [f32; 2] {
     let sway = 3.0 * (0.3 * picture as f32 + person as f32).sin();
     // They walk to their places: who only stands there may be a coat.
     let to_go = (appears(person) + WALK).saturating_sub(picture) as f32;
-    [
-        32.0 + 52.0 * (person % 6) as f32 + sway - 0.8 * to_go,
-        45.0 + 115.0 * (person / 6) as f32,
-    ]
+    [32.0 + 52.0 * person as f32 + sway - 0.8 * to_go, 45.0]
 }
 
 fn paint(frame: &mut VideoFrame, [left, top, width, height]: [f32; 4], colour: [u8; 3], round: bool) {
-    for y in top.max(0.0) as usize..((top + height).max(0.0) as usize).min(HEIGHT) {
-        for x in left.max(0.0) as usize..((left + width).max(0.0) as usize).min(WIDTH) {
+    for y in top.max(0.0) as usize..((top + height).max(0.0) as usize).min(frame.height) {
+        for x in left.max(0.0) as usize..((left + width).max(0.0) as usize).min(frame.width) {
             let across = (x as f32 - left - 0.5 * width) / width * 2.0;
             let down = (y as f32 - top - 0.5 * height) / height * 2.0;
             if !round || across * across + down * down <= 1.0 {
-                let at = 3 * (y * WIDTH + x);
+                let at = 3 * (y * frame.width + x);
                 for (value, own) in frame.rgb[at..at + 3].iter_mut().zip(colour) {
                     *value = own.saturating_add((noise(x, y) % 9) as u8);
                 }
@@ -90,13 +92,14 @@ fn paint(frame: &mut VideoFrame, [left, top, width, height]: [f32; 4], colour: [
     }
 }
 
-fn picture(number: usize, people: usize) -> VideoFrame {
+/// A picture that is `width` pixels wide, of so many people.
+fn picture(number: usize, people: usize, width: usize) -> VideoFrame {
     let mut frame = VideoFrame {
         time: time_of(number),
         number: number as u64 + 1,
-        width: WIDTH,
+        width,
         height: HEIGHT,
-        rgb: (0..WIDTH * HEIGHT)
+        rgb: (0..width * HEIGHT)
             .flat_map(|i| {
                 [200, 185, 155].map(|wall| (wall + noise(i, number) % 7 + noise(i, 7919) % 9) as u8)
             })
@@ -132,24 +135,27 @@ fn picture(number: usize, people: usize) -> VideoFrame {
     frame
 }
 
-fn camera() -> Result<Camera, Failure> {
+fn camera(width: usize) -> Result<Camera, Failure> {
     Ok(Camera {
-        model: CameraModel::Pinhole(Pinhole::ideal([300.0, 300.0], [159.5, 119.5])?),
+        model: CameraModel::Pinhole(Pinhole::ideal(
+            [300.0, 300.0],
+            [0.5 * (width as f64 - 1.0), 119.5],
+        )?),
         pose: Pose::looking_at(WorldPoint::new(0.0, 0.0, 1.4), WorldPoint::new(3.0, 0.0, 1.4))
             .ok_or("no pose")?,
-        width: WIDTH,
+        width,
         height: HEIGHT,
     })
 }
 
-fn room() -> Result<Room, Failure> {
+fn room(width: usize) -> Result<Room, Failure> {
     Ok(Room {
         cameras: vec![CameraSensor {
             name: "cam".into(),
-            width: WIDTH,
+            width,
             height: HEIGHT,
             interval: Span::from_seconds(1.0 / PICTURES_S as f64),
-            calibration: Some(camera()?),
+            calibration: Some(camera(width)?),
         }],
         arrays: vec![ArraySensor {
             name: "pair".into(),
@@ -186,13 +192,13 @@ fn sound(number: usize) -> AudioBlock {
     }
 }
 
-fn moment(number: usize, people: usize) -> Moment {
+fn moment(number: usize, people: usize, width: usize) -> Moment {
     Moment {
         tick: number as u64,
         time: time_of(number),
         video: vec![Observed {
             new: true,
-            data: picture(number, people),
+            data: picture(number, people, width),
         }],
         audio: vec![Observed {
             new: true,
@@ -215,21 +221,21 @@ fn born(people: usize, room: &Room) -> Result<Vec<u8>, Failure> {
     let mut system = build("closed-loop", &given, room, 1)?;
     let mut scene = Scene::default();
     for number in 0..FIRST {
-        system.step(&moment(number, people), &mut scene);
+        system.step(&moment(number, people, room.cameras[0].width), &mut scene);
     }
     Ok(system.save()?)
 }
 
-fn measured(people: usize) -> Vec<Moment> {
+fn measured(people: usize, width: usize) -> Vec<Moment> {
     (FIRST..FIRST + MEASURED)
-        .map(|number| moment(number, people))
+        .map(|number| moment(number, people, width))
         .collect()
 }
 
 fn steps(people: usize, count: usize) -> Result<(), Failure> {
-    let room = room()?;
+    let room = room(WIDTH)?;
     let saved = born(people, &room)?;
-    let moments = measured(people);
+    let moments = measured(people, WIDTH);
     let mut scene = Scene::default();
     for _ in 0..count {
         let given = json!({ "changes": false, "faces": { "period_s": 10.0 } });
@@ -247,24 +253,8 @@ fn steps(people: usize, count: usize) -> Result<(), Failure> {
 
 fn speed() -> Result<(), Failure> {
     println!("people  tracks  seconds/picture (10 s)  times real time  (1 s)     times real time");
-    let mut points = Vec::new();
     for people in 1..=6 {
-        let room = room()?;
-        let saved = born(people, &room)?;
-        let moments = measured(people);
-        let mut scene = Scene::default();
-        let mut seconds = [0.0; 2];
-        for (seconds, period_s) in seconds.iter_mut().zip([10.0, 1.0]) {
-            let given = json!({ "changes": false, "faces": { "period_s": period_s } });
-            let mut system = build("closed-loop", &given, &room, 1)?;
-            system.restore(&saved)?;
-            let begin = processor_s();
-            for moment in &moments {
-                system.step(moment, &mut scene);
-            }
-            *seconds = (processor_s() - begin) / MEASURED as f64;
-        }
-        let tracks = scene.tracks.len();
+        let (tracks, seconds) = timed(people, WIDTH, &[10.0, 1.0])?;
         let factor = |seconds: f64| 1.0 / (PICTURES_S as f64 * seconds);
         println!(
             "{people:>6}  {tracks:>6}  {:>22.6}  {:>15.1}  {:>8.6}  {:>15.1}",
@@ -273,10 +263,36 @@ fn speed() -> Result<(), Failure> {
             seconds[1],
             factor(seconds[1])
         );
+    }
+    println!("a row of people in pictures of {WIDE}x{HEIGHT}\npeople  tracks  seconds/picture (10 s)");
+    let mut points = Vec::new();
+    for people in 1..=12 {
+        let (tracks, seconds) = timed(people, WIDE, &[10.0])?;
+        println!("{people:>6}  {tracks:>6}  {:>22.6}", seconds[0]);
         points.push([tracks as f64, seconds[0]]);
     }
     println!("linear in tracks: R^2 {:.4}", determination(&points));
     Ok(())
+}
+
+/// How many tracks there are at the end, and the seconds a picture with faces searched after each of the periods.
+fn timed(people: usize, width: usize, periods_s: &[f64]) -> Result<(usize, Vec<f64>), Failure> {
+    let room = room(width)?;
+    let saved = born(people, &room)?;
+    let moments = measured(people, width);
+    let mut scene = Scene::default();
+    let mut seconds = Vec::new();
+    for period_s in periods_s {
+        let given = json!({ "changes": false, "faces": { "period_s": period_s } });
+        let mut system = build("closed-loop", &given, &room, 1)?;
+        system.restore(&saved)?;
+        let begin = processor_s();
+        for moment in &moments {
+            system.step(moment, &mut scene);
+        }
+        seconds.push((processor_s() - begin) / MEASURED as f64);
+    }
+    Ok((scene.tracks.len(), seconds))
 }
 
 /// How much of the variance a straight line explains, 0 to 1.
@@ -307,7 +323,7 @@ fn verifier(name: &str, count: usize) -> Result<(), Failure> {
         onset_filter: false,
         ..ArraySettings::default()
     };
-    let room = room()?;
+    let room = room(WIDTH)?;
     let mut heard = ArrayPercepts::new(listened, &room.arrays[0], room.speed_of_sound_m_s)?;
     // To the middle of a burst.
     for number in 0..FIRST + 3 {
@@ -316,7 +332,7 @@ fn verifier(name: &str, count: usize) -> Result<(), Failure> {
     if !heard.has_onset() {
         return Err("nothing is heard".into());
     }
-    let shown = picture(FIRST, 6);
+    let shown = picture(FIRST, 6, WIDTH);
     let [x, y] = place(1, FIRST);
     // As many as one person has, spread about as widely.
     let mut generator = generator(1, "hypotheses", 0);
@@ -334,11 +350,16 @@ fn verifier(name: &str, count: usize) -> Result<(), Failure> {
     let cue: Option<Box<dyn Cue>> = match name {
         "contour" => Some(Box::new(ContourCue)),
         "contrast" => Some(Box::new(ContrastCue)),
+        "likeness" => Some(Box::new(ColourCue::new(Part::Head))),
         "curve" => Some(Box::new(CurveCue::new(CurveGeometry::World))),
         "none" => None,
         other => return Err(format!("there is no verifier {other}").into()),
     };
-    let appearance = Appearance::default();
+    let mut appearance = Appearance::default();
+    let mut colours = Histogram::default();
+    seen.see(&shown);
+    seen.histogram(&regions[0], &mut colours);
+    appearance.learn(Part::Head, &colours, 1.0);
     let mut scores = vec![0.0; regions.len()];
     let mut sum = 0.0;
     for _ in 0..count {
