@@ -50,7 +50,7 @@ pub(crate) const EXPERIMENT: Experiment = Experiment {
         ),
         (
             &["beyond-single"],
-            "half of it the shortness of turns: with true places of heads nine of ten errors fall into the first half second of a \
+            "in part the shortness of turns: with true places of heads nine of ten errors fall into the first half second of a \
              turn (three other seeds); the rest not found out",
         ),
     ],
