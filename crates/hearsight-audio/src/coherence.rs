@@ -82,14 +82,12 @@ impl NoiseCoherence {
         check_shape("powers of the noise", self.bins, noise.len())?;
         check_shape("pairs", self.phases.len() / self.bins, pairs.len())?;
         for ((share, power), noise) in self.shares.iter_mut().zip(power).zip(noise) {
-            // A bin without any power holds nothing that could be taken out.
             *share = (noise / power.max(f32::MIN_POSITIVE)).min(1.0) / MEAN_SHARE;
         }
-        let rate = if learnt {
-            1.0 - self.forgetting
-        } else {
+        if !learnt {
             return Ok(());
-        };
+        }
+        let rate = 1.0 - self.forgetting;
         for (pair, phases) in pairs.iter().zip(self.phases.chunks_exact_mut(self.bins)) {
             let [Some(first), Some(second)] = pair.map(|microphone| channels.get(microphone)) else {
                 continue;
@@ -197,6 +195,27 @@ mod tests {
         }
         assert!(peaks[0] < 10, "{peaks:?}");
         assert!(peaks[1] > 35, "{peaks:?}");
+    }
+
+    #[test]
+    fn a_microphone_that_falls_silent_is_correlated_with_nothing() {
+        let mut correlator = Correlator::new(CorrelatorSettings::new(64, RATE_HZ, 0.001)).unwrap();
+        let (alive, dead) = (vec![Complex::new(1.0, 0.5); 33], vec![Complex::default(); 33]);
+        let (noise, cross) = (vec![1.0; 33], vec![Complex::new(0.8, 0.1); 33]);
+        let noise = PairNoise {
+            first: &noise,
+            second: &noise,
+            cross: Some(&cross),
+        };
+        let mut curve = CorrelationCurve::default();
+        correlator
+            .correlate(&alive, &dead, Some(noise), None, &mut curve)
+            .unwrap();
+        assert!(
+            curve.values.iter().all(|value| *value == 0.0),
+            "{:?}",
+            curve.values
+        );
     }
 
     #[test]

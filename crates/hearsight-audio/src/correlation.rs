@@ -209,7 +209,10 @@ impl Correlator {
         if let Some(noise) = noise {
             check_shape("bins of the noise of the pair", first.len(), noise.len())?;
             for (weighted, noise) in self.weighted.iter_mut().zip(noise) {
-                *weighted -= noise;
+                // Where a channel is silent there is nothing that noise could have added to.
+                if weighted.norm_sqr() > 0.0 {
+                    *weighted -= noise;
+                }
             }
         }
         if let Some(emphasis) = emphasis {

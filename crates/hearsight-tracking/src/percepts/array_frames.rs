@@ -2,7 +2,7 @@
 
 use super::array_settings::ArraySettings;
 use super::azimuth::{AZIMUTHS, AzimuthFan, STEP_RAD};
-use super::pair_noise::{FIRST_PAIR, check_coherence, mean_into, with_cross};
+use super::pair_noise::{FIRST_PAIR, check_coherence, mean_into};
 use hearsight_audio::activity::ActivityDetector;
 use hearsight_audio::agreement::Agreement;
 use hearsight_audio::bands::BandBank;
@@ -81,16 +81,16 @@ impl Engine {
                 let _ = remembered.spectra[channel].observe(powers);
             }
         }
-        if let Some(coherence) = &mut remembered.coherence {
-            let [first, second] = remembered.spectra.each_ref().map(NoiseFloor::power);
-            mean_into([first, second], &mut self.noise);
-            // Without the powers of a frame with samples filled in nothing is known of it: those before are close.
-            if frame.filled == 0 {
-                mean_into(self.powers.each_ref().map(Vec::as_slice), &mut self.power);
-            }
+        // Of a frame with samples filled in nothing is learnt, and the noise is as it was.
+        if let Some(coherence) = remembered.coherence.as_mut().filter(|_| frame.filled == 0) {
+            mean_into(
+                remembered.spectra.each_ref().map(NoiseFloor::power),
+                &mut self.noise,
+            );
+            mean_into(self.powers.each_ref().map(Vec::as_slice), &mut self.power);
             let pairs = fan.map_or(FIRST_PAIR.as_slice(), AzimuthFan::pairs);
             let powers = [self.power.as_slice(), &self.noise];
-            let _ = coherence.observe(&self.spectra.channels, pairs, powers, frame.filled == 0);
+            let _ = coherence.observe(&self.spectra.channels, pairs, powers, true);
         }
         let class = remembered.onset.classify(&ratios_db);
         self.signal_to_noise_db = ratios_db[0].min(ratios_db[1]);
@@ -184,5 +184,20 @@ impl Remembered {
         self.onset.check_saved(&saved.onset)?;
         self.activity.check_saved(&saved.activity)?;
         check_coherence(self.coherence.as_ref(), saved.coherence.as_ref())
+    }
+}
+
+/// The noise of a pair with its cross-spectrum, where its coherence is followed; `cross` is a buffer.
+fn with_cross<'a>(
+    noise: PairNoise<'a>,
+    coherence: Option<&NoiseCoherence>,
+    pair: usize,
+    cross: &'a mut Vec<Complex>,
+) -> PairNoise<'a> {
+    let Some(coherence) = coherence else { return noise };
+    coherence.cross_spectrum(pair, cross);
+    PairNoise {
+        cross: Some(cross),
+        ..noise
     }
 }

@@ -9,7 +9,7 @@
 //! Frames are short and overlap by half: they are nearly independent, and a new voice is heard soon.
 
 use super::azimuth::{AZIMUTHS, AzimuthFan, STEP_RAD};
-use super::pair_noise::{FIRST_PAIR, NOISE_MEMORY_S, check_coherence, mean_into, with_cross};
+use super::pair_noise::{FIRST_PAIR, NOISE_MEMORY_S, check_coherence, mean_into};
 use hearsight_audio::coherence::NoiseCoherence;
 use hearsight_audio::correlation::{Correlator, CorrelatorSettings, Normalization};
 use hearsight_audio::curve::CorrelationCurve;
@@ -338,20 +338,20 @@ impl Engine {
         }
         for (number, pair) in pairs.iter().enumerate() {
             let [first, second] = pair.map(|microphone| self.spectra.channels[microphone].as_slice());
-            let known = coherence.map(|coherence| {
-                let noise = PairNoise {
+            let noise = coherence.map(|coherence| {
+                coherence.cross_spectrum(number, &mut self.noise_cross);
+                PairNoise {
                     first: &self.noise,
                     second: &self.noise,
-                    cross: None,
-                };
-                with_cross(noise, Some(coherence), number, &mut self.noise_cross)
+                    cross: Some(&self.noise_cross),
+                }
             });
             let curve = match fan {
                 Some(_) => &mut self.pair_curve,
                 None => &mut self.curve,
             };
             self.correlator
-                .correlate(first, second, known, Some(&self.share), curve)?;
+                .correlate(first, second, noise, Some(&self.share), curve)?;
             if let Some(fan) = fan {
                 let share = 1.0 / pairs.len().max(1) as f32;
                 fan.add(number, &self.pair_curve, share, &mut self.curve);

@@ -1,8 +1,7 @@
 //! Noise that comes from somewhere, as both ways of the sound take it out: see [`NoiseCoherence`].
 
+use hearsight_audio::AudioError;
 use hearsight_audio::coherence::NoiseCoherence;
-use hearsight_audio::weighting::PairNoise;
-use hearsight_audio::{AudioError, Complex};
 
 /// For how long the direction of noise is remembered, seconds of noise.
 pub(super) const NOISE_MEMORY_S: f64 = 2.0;
@@ -21,21 +20,6 @@ pub(super) fn check_coherence(
         _ => Err(AudioError::State {
             what: "whether noise is subtracted",
         }),
-    }
-}
-
-/// The noise of a pair with its cross-spectrum, where its coherence is followed; `cross` is a buffer.
-pub(super) fn with_cross<'a>(
-    noise: PairNoise<'a>,
-    coherence: Option<&NoiseCoherence>,
-    pair: usize,
-    cross: &'a mut Vec<Complex>,
-) -> PairNoise<'a> {
-    let Some(coherence) = coherence else { return noise };
-    coherence.cross_spectrum(pair, cross);
-    PairNoise {
-        cross: Some(cross),
-        ..noise
     }
 }
 

@@ -82,15 +82,8 @@ impl Table {
             for row in 0..self.size[1] {
                 let mut sums = [0; LANES];
                 self.sums.push(sums);
-                let from = row * step + self.first[1] * step;
-                let line = &bins[from * width..(from + 1) * width];
-                let line = line
-                    .iter()
-                    .skip(self.first[0] * step)
-                    .step_by(step)
-                    .take(self.size[0]);
-                for bin in line {
-                    let place = usize::from(self.palette[usize::from(*bin)]);
+                for bin in self.line(bins, row) {
+                    let place = usize::from(self.palette[usize::from(bin)]);
                     if place / LANES == group {
                         sums[place % LANES] += 1;
                     }
