@@ -5,6 +5,7 @@
 //! The same tracker follows the power of a whole frame (one bin) or of each bin of a spectrum.
 
 use crate::error::{AudioError, MOST_COUNTED, check_setting, check_shape, check_state};
+use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
 /// How the noise floor is followed.
@@ -240,27 +241,65 @@ impl NoiseFloor {
         }
         let forgetting = if self.frames == 0 { 0.0 } else { self.forgetting };
         let starting = self.frames < self.start_frames;
-        for (bin, &value) in power.iter().enumerate() {
-            let smoothed = forgetting * self.smoothed[bin] + (1.0 - forgetting) * value.max(silence);
-            self.smoothed[bin] = smoothed;
-            self.minima[0][bin] = self.minima[0][bin].min(smoothed);
-            let least = self
-                .minima
-                .iter()
-                .fold(f32::MAX, |least, part| least.min(part[bin]));
-            let mut target = self.bias * least;
-            if starting {
-                target = target.min(self.first_power);
-            }
-            let floor = &mut self.floor[bin];
-            *floor = if self.frames == 0 {
-                target
-            } else {
-                target.min(*floor * self.rise)
-            };
-        }
+        let limits = Limits {
+            forgetting,
+            silence,
+            bias: self.bias,
+            most: if starting { self.first_power } else { f32::MAX },
+            rise: if self.frames == 0 { f32::MAX } else { self.rise },
+        };
+        follow(
+            power,
+            &limits,
+            &mut self.smoothed,
+            &mut self.minima,
+            &mut self.floor,
+        );
         self.frames += 1;
         Ok(())
+    }
+}
+
+/// What bins have in common while a frame is taken in.
+struct Limits {
+    forgetting: f32,
+    silence: f32,
+    bias: f32,
+    most: f32,
+    rise: f32,
+}
+
+/// Bins that are followed side by side.
+const LANES: usize = 32;
+
+/// Takes a frame in: smoothed power, its minimum, and the floor of each bin.
+#[multiversion(targets("x86_64+avx2", "x86_64+sse4.1"))]
+fn follow(power: &[f32], limits: &Limits, smoothed: &mut [f32], minima: &mut [Vec<f32>], floor: &mut [f32]) {
+    let less = |a: f32, b: f32| if a < b { a } else { b };
+    for (first, power) in (0..).step_by(LANES).zip(power.chunks(LANES)) {
+        let range = first..first + power.len();
+        let mut least = [f32::MAX; LANES];
+        for ((value, smoothed), least) in power.iter().zip(&mut smoothed[range.clone()]).zip(&mut least) {
+            let value = if *value > limits.silence {
+                *value
+            } else {
+                limits.silence
+            };
+            *smoothed = limits.forgetting * *smoothed + (1.0 - limits.forgetting) * value;
+            *least = *smoothed;
+        }
+        for (part, minima) in minima.iter_mut().enumerate() {
+            let minima = &mut minima[range.clone()];
+            for (least, minimum) in least.iter_mut().zip(minima.iter_mut()) {
+                *least = less(*minimum, *least);
+            }
+            if part == 0 {
+                minima.copy_from_slice(&least[..power.len()]);
+            }
+        }
+        for (floor, least) in floor[range].iter_mut().zip(least) {
+            *floor = less(less(limits.bias * least, limits.most), *floor * limits.rise);
+        }
     }
 }
 

@@ -187,8 +187,16 @@ impl Resampler {
         output.time = state.timeline.time_at_rate(state.next, self.output_hz);
         let width = (2 * self.reach + 1) as usize;
         let held = state.pending.first().map_or(0, Vec::len) as i64;
-        let ready = |next: i64| next * self.down / self.up + self.reach < state.first + held;
         let mut next = state.next;
+        if self.up == self.down {
+            // The same rate: what arrived is what comes out (a negative zero as a positive one).
+            let start = (next - state.first) as usize;
+            for (pending, output) in state.pending.iter().zip(&mut output.channels) {
+                output.extend(pending[start..].iter().map(|sample| sample + 0.0));
+            }
+            next = state.first + held;
+        }
+        let ready = |next: i64| next * self.down / self.up + self.reach < state.first + held;
         while ready(next) {
             let place = next * self.down;
             let start = (place / self.up - self.reach - state.first) as usize;

@@ -8,13 +8,17 @@
 
 use crate::elementary::ln;
 use crate::error::FilterError;
+use multiversion::multiversion;
+
+/// States that are looked at side by side.
+const LANES: usize = 8;
 
 /// Logarithms of transition probabilities, states x states, each row summing to 1 as probabilities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transitions {
     states: usize,
-    /// Entry `to * states + from`: what is read together lies together.
-    logs: Vec<f64>,
+    /// For each state that is left, those to all that are gone to, in whole groups: what is read together lies together.
+    logs: Vec<[f64; LANES]>,
 }
 
 impl Transitions {
@@ -41,16 +45,16 @@ impl Transitions {
             });
         }
         let exponent = |from: usize, to: usize| -(from.abs_diff(to) as f64 / deviation).powi(2);
-        let mut logs = vec![0.0; states * states];
+        let mut transitions = Self::never(states);
         for from in 0..states {
             let sum: f64 = (0..states)
                 .map(|to| crate::elementary::exp(exponent(from, to)))
                 .sum();
             for to in 0..states {
-                logs[to * states + from] = exponent(from, to) - ln(sum);
+                transitions.set(from, to, exponent(from, to) - ln(sum));
             }
         }
-        Ok(Self { states, logs })
+        Ok(transitions)
     }
 
     /// From the probabilities themselves, row by row (`from * states + to`); rows are normalized.
@@ -60,7 +64,7 @@ impl Transitions {
     /// positive finite sum or with a negative entry.
     pub fn new(states: usize, probabilities: &[f64]) -> Result<Self, FilterError> {
         FilterError::check_length("transition probabilities", states * states, probabilities.len())?;
-        let mut logs = vec![0.0; states * states];
+        let mut transitions = Self::never(states);
         for (from, row) in probabilities.chunks_exact(states.max(1)).enumerate() {
             let sum: f64 = row.iter().sum();
             if !(sum.is_finite() && sum > 0.0) || row.iter().any(|value| *value < 0.0) {
@@ -71,10 +75,23 @@ impl Transitions {
                 });
             }
             for (to, value) in row.iter().enumerate() {
-                logs[to * states + from] = ln(value / sum);
+                transitions.set(from, to, ln(value / sum));
             }
         }
-        Ok(Self { states, logs })
+        Ok(transitions)
+    }
+
+    /// From no state to any.
+    fn never(states: usize) -> Self {
+        Self {
+            states,
+            logs: vec![[f64::NEG_INFINITY; LANES]; states * states.div_ceil(LANES)],
+        }
+    }
+
+    fn set(&mut self, from: usize, to: usize, log: f64) {
+        let groups = self.states.div_ceil(LANES);
+        self.logs[from * groups + to / LANES][to % LANES] = log;
     }
 
     /// How many states there are.
@@ -84,7 +101,7 @@ impl Transitions {
 
     /// The logarithm of the probability to go from one state to another.
     pub fn log(&self, from: usize, to: usize) -> f64 {
-        self.logs[to * self.states + from]
+        self.logs[from * self.states.div_ceil(LANES) + to / LANES][to % LANES]
     }
 }
 
@@ -97,6 +114,8 @@ pub struct Viterbi {
     predecessors: Vec<u32>,
     nodes: Vec<Node>,
     passes: usize,
+    /// Range of first states of the pass that the predecessors are of.
+    tried: [usize; 2],
 }
 
 /// A range of first states with the best path that begins and ends within it.
@@ -166,8 +185,10 @@ impl Viterbi {
             };
             let node = self.nodes.swap_remove(place);
             if node.start == node.end {
-                // Its path was overwritten unless it was the last one tried.
-                self.ring_pass(transitions, emissions, lines, node.low, node.high);
+                if self.tried != [node.low, node.high] {
+                    // Its path was overwritten.
+                    self.ring_pass(transitions, emissions, lines, node.low, node.high);
+                }
                 self.trace(states, lines + 1, node.end, path);
                 path.pop();
                 return Ok(node.bound);
@@ -220,6 +241,7 @@ impl Viterbi {
         low: usize,
         high: usize,
     ) {
+        self.tried = [low, high];
         self.forward(transitions, emissions, lines, low, high);
         // Nothing is emitted on the way back to the first line, which was counted already.
         self.advance(transitions, None, lines);
@@ -252,17 +274,9 @@ impl Viterbi {
     fn advance(&mut self, transitions: &Transitions, emissions: Option<&[f64]>, line: usize) {
         let states = transitions.states;
         let predecessors = &mut self.predecessors[(line - 1) * states..line * states];
-        for (to, (next, predecessor)) in self.next.iter_mut().zip(predecessors).enumerate() {
-            let logs = &transitions.logs[to * states..(to + 1) * states];
-            let (mut best, mut from) = (f64::NEG_INFINITY, 0);
-            for (place, (score, log)) in self.scores.iter().zip(logs).enumerate() {
-                let value = score + log;
-                if value > best {
-                    (best, from) = (value, place);
-                }
-            }
-            *next = best + emissions.map_or(0.0, |emissions| emissions[to]);
-            *predecessor = from as u32;
+        step(&transitions.logs, &self.scores, &mut self.next, predecessors);
+        for (next, emission) in self.next.iter_mut().zip(emissions.unwrap_or_default()) {
+            *next += emission;
         }
         std::mem::swap(&mut self.scores, &mut self.next);
     }
@@ -273,6 +287,28 @@ impl Viterbi {
         path.resize(lines, end);
         for line in (1..lines).rev() {
             path[line - 1] = self.predecessors[(line - 1) * states + path[line]] as usize;
+        }
+    }
+}
+
+/// Best score with which each state is reached from those of the line before, and from which; of equal ones the first.
+#[multiversion(targets("x86_64+avx2", "x86_64+sse4.1"))]
+fn step(logs: &[[f64; LANES]], scores: &[f64], next: &mut [f64], predecessors: &mut [u32]) {
+    let groups = next.len().div_ceil(LANES);
+    let reached = next.chunks_mut(LANES).zip(predecessors.chunks_mut(LANES));
+    for (group, (next, predecessors)) in reached.enumerate() {
+        let (mut best, mut from) = ([f64::NEG_INFINITY; LANES], [0_u64; LANES]);
+        let logs = logs.iter().skip(group).step_by(groups);
+        for (place, (score, logs)) in (0_u64..).zip(scores.iter().zip(logs)) {
+            for i in 0..LANES {
+                let value = score + logs[i];
+                let better = value > best[i];
+                best[i] = if better { value } else { best[i] };
+                from[i] = if better { place } else { from[i] };
+            }
+        }
+        for (((next, predecessor), best), from) in next.iter_mut().zip(predecessors).zip(best).zip(from) {
+            (*next, *predecessor) = (best, from as u32);
         }
     }
 }

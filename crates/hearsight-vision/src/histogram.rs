@@ -178,6 +178,7 @@ impl BinPicture {
         let bins = self.options.bins();
         histogram.values.clear();
         histogram.values.resize(bins, 0.0);
+        scratch.sums.clear(bins);
         let (total, inside) = self.read(bounds, &mut scratch.sums);
         if total > 0.0 {
             for (bin, value) in (0_u16..).zip(&mut histogram.values) {
@@ -208,6 +209,8 @@ impl BinPicture {
         }
         scores.clear();
         scores.extend(ellipses.iter().map(|bounds| {
+            // What is in other bins is never asked for.
+            sums.clear_those(roots.iter().map(|(bin, _)| *bin));
             let (total, inside) = self.read(bounds, sums);
             if total <= 0.0 {
                 return Similarity {
@@ -226,9 +229,8 @@ impl BinPicture {
         }));
     }
 
-    /// Sums up the kernel by bin; returns the sum of all and the share inside the picture.
+    /// Adds the kernel up by bin; returns the sum of all and the share inside the picture.
     fn read(&self, bounds: &Rectangle, sums: &mut BinSums) -> (f32, f32) {
-        sums.clear(self.options.bins());
         let (half_width, half_height) = (bounds.width / 2.0, bounds.height / 2.0);
         if !bounds.is_finite() || half_width <= 0.0 || half_height <= 0.0 {
             return (0.0, 0.0);

@@ -71,7 +71,11 @@ pub struct Shifted {
 #[derive(Clone, Debug)]
 pub struct MeanShift {
     options: MeanShiftOptions,
+    /// The model's bins that are not zero: nothing else counts.
+    used: Vec<(u16, f32)>,
+    /// Sums of the kernel by bin at the place read last.
     sums: Vec<f32>,
+    /// By bin; of bins that the model has not always 0.
     ratios: Vec<f32>,
 }
 
@@ -96,6 +100,7 @@ impl MeanShift {
         options.validate()?;
         Ok(Self {
             options,
+            used: Vec::new(),
             sums: Vec::new(),
             ratios: Vec::new(),
         })
@@ -104,7 +109,10 @@ impl MeanShift {
     /// Follows `model` from `start`, then adapts the size. None where the start shows none of the picture, or the model
     /// is of other bins or empty.
     pub fn follow(&mut self, picture: &BinPicture, model: &Histogram, start: &Rectangle) -> Option<Shifted> {
-        let mut best = self.search(picture, model, start)?;
+        if !self.load(picture, model) || model.is_zero() {
+            return None;
+        }
+        let mut best = self.search(picture, start)?;
         let MeanShiftOptions {
             size_step,
             size_share,
@@ -115,7 +123,7 @@ impl MeanShift {
             let mut factor = 1.0;
             for tried in [1.0 + size_step, 1.0 - size_step] {
                 let resized = scaled(&found.bounds, tried);
-                if let Some(other) = self.search(picture, model, &resized) {
+                if let Some(other) = self.search(picture, &resized) {
                     best.iterations += other.iterations;
                     if other.coefficient > best.coefficient {
                         let iterations = best.iterations;
@@ -131,29 +139,25 @@ impl MeanShift {
     }
 
     /// The paper's loop at one size: weights, mean, halving while the likeness falls, end at a short step.
-    fn search(&mut self, picture: &BinPicture, model: &Histogram, start: &Rectangle) -> Option<Shifted> {
-        let bins = picture.options().bins();
-        if model.values().len() != bins || model.is_zero() {
-            return None;
-        }
+    fn search(&mut self, picture: &BinPicture, start: &Rectangle) -> Option<Shifted> {
         let mut bounds = *start;
-        let mut coefficient = self.coefficient(picture, model, &bounds)?;
+        let mut coefficient = self.likeness(picture, &bounds)?;
         let mut iterations = 0;
         while iterations < self.options.iterations {
             iterations += 1;
-            let Some((x, y)) = self.mean(picture, model, &bounds) else {
+            let Some((x, y)) = self.mean(picture, &bounds) else {
                 break;
             };
             let (from_x, from_y) = bounds.centre();
             let mut offset = (x - from_x, y - from_y);
             let mut next = moved(&bounds, offset);
-            let mut likeness = self.coefficient(picture, model, &next).unwrap_or(0.0);
+            let mut likeness = self.likeness(picture, &next).unwrap_or(0.0);
             let least = self.options.least_step_px;
             let long = |offset: (f32, f32)| offset.0.hypot(offset.1) >= least;
             while likeness < coefficient && long(offset) {
                 offset = (0.5 * offset.0, 0.5 * offset.1);
                 next = moved(&bounds, offset);
-                likeness = self.coefficient(picture, model, &next).unwrap_or(0.0);
+                likeness = self.likeness(picture, &next).unwrap_or(0.0);
             }
             if likeness < coefficient {
                 break;
@@ -178,30 +182,45 @@ impl MeanShift {
         model: &Histogram,
         bounds: &Rectangle,
     ) -> Option<f32> {
-        if model.values().len() != picture.options().bins() {
+        if !self.load(picture, model) {
             return None;
         }
+        self.likeness(picture, bounds)
+    }
+
+    /// Takes a model in; false where it has other bins.
+    fn load(&mut self, picture: &BinPicture, model: &Histogram) -> bool {
+        let bins = picture.options().bins();
+        self.used.clear();
+        self.ratios.clear();
+        if model.values().len() != bins {
+            return false;
+        }
+        self.ratios.resize(bins, 0.0);
+        self.used.reserve(bins);
+        let values = (0_u16..).zip(model.values().iter().copied());
+        self.used.extend(values.filter(|(_, value)| *value != 0.0));
+        true
+    }
+
+    /// As [`Self::coefficient`], of the model that was taken in.
+    fn likeness(&mut self, picture: &BinPicture, bounds: &Rectangle) -> Option<f32> {
         let total = self.read(picture, bounds)?;
+        let sums = &self.sums;
         let sum: f32 = self
-            .sums
+            .used
             .iter()
-            .zip(model.values())
-            .map(|(sum, value)| (sum * value).sqrt())
+            .map(|(bin, value)| (sums[usize::from(*bin)] * value).sqrt())
             .sum();
         Some((sum / total.sqrt()).min(1.0))
     }
 
     /// Mean of the pixels, each by the root of model over place: the sums must be those of these bounds.
-    fn mean(&mut self, picture: &BinPicture, model: &Histogram, bounds: &Rectangle) -> Option<(f32, f32)> {
-        self.read(picture, bounds)?;
-        self.ratios.clear();
-        self.ratios.extend(
-            self.sums.iter().zip(model.values()).map(
-                |(sum, value)| {
-                    if *sum > 0.0 { (value / sum).sqrt() } else { 0.0 }
-                },
-            ),
-        );
+    fn mean(&mut self, picture: &BinPicture, bounds: &Rectangle) -> Option<(f32, f32)> {
+        for (bin, value) in &self.used {
+            let sum = self.sums[usize::from(*bin)];
+            self.ratios[usize::from(*bin)] = if sum > 0.0 { (value / sum).sqrt() } else { 0.0 };
+        }
         let grid = Grid::new(bounds, self.options.pixels, picture.size())?;
         let ratios = &self.ratios;
         let (mut sum, mut sum_x, mut sum_y) = (0.0_f32, 0.0_f32, 0.0_f32);
@@ -257,10 +276,11 @@ impl MeanShift {
     ) -> [[f64; 3]; 3] {
         let half = f64::from(0.5 * bounds.height).max(LEAST_DEVIATION_PX);
         let limits = (LEAST_DEVIATION_PX.powi(2), half * half);
+        let loaded = self.load(picture, model);
         let step = (0.15 * half).max(1.0);
         let mut at = |x: f64, y: f64, size: f64| {
             let bounds = scaled(&moved(bounds, (x as f32, y as f32)), (1.0 + size / half) as f32);
-            let likeness = self.coefficient(picture, model, &bounds).unwrap_or(0.0);
+            let likeness = self.likeness(picture, &bounds).filter(|_| loaded).unwrap_or(0.0);
             -sharpness * f64::from(likeness).max(1e-6).ln()
         };
         let middle = at(0.0, 0.0, 0.0);

@@ -38,6 +38,8 @@ pub(super) struct Table {
     picture: [usize; 2],
     /// Which of the colours there are each bin is.
     palette: Vec<u16>,
+    /// Which of the colours each place of the lattice has.
+    colours: Vec<u16>,
     /// Groups of [`LANES`] colours, rows, and one column more than there are.
     sums: Vec<Sums>,
     groups: usize,
@@ -65,43 +67,28 @@ impl Table {
         (self.step, self.picture) = (step, picture);
         self.palette.clear();
         self.palette.resize(all, NONE);
-        let mut colours = 0;
-        for row in 0..self.size[1] {
-            for bin in self.line(bins, row) {
-                let place = &mut self.palette[usize::from(bin)];
+        let [columns, rows] = self.size;
+        let mut found = 0;
+        self.colours.clear();
+        self.colours.reserve(RESERVED);
+        for row in 0..rows {
+            let from = (row + self.first[1]) * step * width + self.first[0] * step;
+            for bin in bins[from..].iter().step_by(step).take(columns) {
+                let place = &mut self.palette[usize::from(*bin)];
                 if *place == NONE {
-                    *place = colours;
-                    colours += 1;
+                    *place = found;
+                    found += 1;
                 }
+                self.colours.push(*place);
             }
         }
-        self.groups = usize::from(colours).div_ceil(LANES);
+        self.groups = usize::from(found).div_ceil(LANES);
         self.sums.clear();
         self.sums.reserve(RESERVED);
-        for group in 0..self.groups {
-            for row in 0..self.size[1] {
-                let mut sums = [0; LANES];
-                self.sums.push(sums);
-                for bin in self.line(bins, row) {
-                    let place = usize::from(self.palette[usize::from(bin)]);
-                    if place / LANES == group {
-                        sums[place % LANES] += 1;
-                    }
-                    self.sums.push(sums);
-                }
-            }
+        self.sums.resize(self.groups * rows * (columns + 1), [0; LANES]);
+        if columns > 0 {
+            sum_up(&self.colours, columns, &mut self.sums);
         }
-    }
-
-    fn line<'a>(&self, bins: &'a [u16], row: usize) -> impl Iterator<Item = u16> + use<'a> {
-        let width = self.picture[0];
-        let from = (row + self.first[1]) * self.step * width;
-        bins[from..from + width]
-            .iter()
-            .skip(self.first[0] * self.step)
-            .step_by(self.step)
-            .take(self.size[0])
-            .copied()
     }
 
     /// The coefficient of an ellipse within the window and its ring; none where either has no pixel.
@@ -146,6 +133,28 @@ impl Table {
             &self.ends,
         );
         Some((product / (inside as f32 * (whole - inside) as f32).sqrt()).min(1.0))
+    }
+}
+
+/// Sums along each row of so many columns, for each group of colours; the first of each row stays 0.
+#[multiversion(targets("x86_64+avx2", "x86_64+sse4.1"))]
+fn sum_up(colours: &[u16], columns: usize, sums: &mut [Sums]) {
+    let each: Sums = std::array::from_fn(|lane| lane as u16);
+    let rows = colours.len() / columns;
+    for (group, plane) in sums.chunks_exact_mut(rows * (columns + 1)).enumerate() {
+        let first = (group * LANES) as u16;
+        let lines = plane.chunks_exact_mut(columns + 1);
+        for (line, colours) in lines.zip(colours.chunks_exact(columns)) {
+            let mut sum = [0; LANES];
+            for (place, colour) in line.iter_mut().skip(1).zip(colours) {
+                let own = colour.wrapping_sub(first);
+                // All lanes at once: a single one would have to be written before the rest can be read.
+                for i in 0..LANES {
+                    sum[i] += u16::from(each[i] == own);
+                }
+                *place = sum;
+            }
+        }
     }
 }
 

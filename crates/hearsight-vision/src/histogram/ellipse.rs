@@ -23,6 +23,14 @@ impl BinSums {
         self.slots[..bins].fill([0.0; TURNS]);
     }
 
+    /// Makes the sums of these bins zero.
+    pub(super) fn clear_those(&mut self, bins: impl Iterator<Item = u16>) {
+        self.slots.resize(SLOTS, [0.0; TURNS]);
+        for bin in bins {
+            self.slots[usize::from(bin)] = [0.0; TURNS];
+        }
+    }
+
     pub(super) fn of(&self, bin: u16) -> f32 {
         let [a, b, c, d] = self.slots[usize::from(bin)];
         (a + b) + (c + d)
