@@ -157,7 +157,7 @@ fn ours() -> Value {
         "room": { "low_m": [0.0, 0.0, 0.0], "high_m": [5.5, 4.5, 2.7] },
         "vision": { "smallest_px": 40, "largest_px": 120 },
         "association": { "face_width_m": [0.12, 0.21] },
-        "place": { "walk_m": 0.3, "box_deviation": 0.06, "sure": 0.7 },
+        "place": { "walk_m": 0.3, "box_deviation": 0.06 },
     })
 }
 

@@ -83,7 +83,7 @@ impl Fusion {
             Heard::Silence
         };
         self.activity.hear(heard_now, elapsed, &parameters.activity);
-        self.place_speaker(&mut heard, elapsed, parameters);
+        self.place_speakers(&mut heard, elapsed, parameters);
     }
 
     /// Which faces survive with the followed sound, and where both meet (section 4 of the paper).
@@ -107,7 +107,7 @@ impl Fusion {
     /// How well the frame itself fits where the faces are, beside the best place of the room.
     fn fit_faces(&mut self, heard: &mut Listened<'_>, parameters: &Parameters) {
         self.fits.clear();
-        let best = heard.sound.best(heard.response).filter(|_| heard.followed);
+        let best = heard.sound.best(heard.response);
         let Some(best) = best else { return };
         let [low_m, high_m] = parameters.association.height_m;
         for Sight { identity, line } in &self.sights {
@@ -122,18 +122,24 @@ impl Fusion {
         }
     }
 
-    /// Lets the sound of a speaker of whom it is sure tell how far they are.
-    fn place_speaker(&mut self, heard: &mut Listened<'_>, elapsed: Span, parameters: &Parameters) {
-        let speaker = self.speaker(parameters).filter(|identity| {
-            heard.followed && self.activity.probability_of(*identity) >= parameters.place.sure
-        });
-        let sight = self.sights.iter().find(|sight| Some(sight.identity) == speaker);
-        let place = self
-            .places
-            .iter_mut()
-            .find(|place| Some(place.identity) == speaker);
-        if let (Some(sight), Some(place)) = (sight, place) {
-            place.hear(&sight.line, heard.response, elapsed, &parameters.place);
+    /// Lets the sound tell how far those are who may be speaking.
+    fn place_speakers(&mut self, heard: &mut Listened<'_>, elapsed: Span, parameters: &Parameters) {
+        if !heard.followed {
+            return;
+        }
+        for place in &mut self.places {
+            let probability = self.activity.probability_of(place.identity);
+            let mut sights = self.sights.iter();
+            let sight = sights.find(|sight| sight.identity == place.identity);
+            if let Some(sight) = sight.filter(|_| probability >= parameters.place.sure) {
+                place.hear(
+                    &sight.line,
+                    heard.response,
+                    probability,
+                    elapsed,
+                    &parameters.place,
+                );
+            }
         }
     }
 

@@ -14,6 +14,7 @@ mod faces;
 mod pair_noise;
 mod round;
 mod steered;
+mod voice;
 
 pub use array::{ArrayPercepts, ArrayState};
 pub use array_settings::{ArraySettings, Pairs};

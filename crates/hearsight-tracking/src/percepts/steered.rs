@@ -2,17 +2,17 @@
 //!
 //! Frames overlap; each is handed on as it fills. Pnevmatikakis and Talantzis take 0.27 s, in which a turn may begin and end.
 
+use super::voice::VoiceBands;
 use hearsight_audio::AudioError;
 use hearsight_audio::activity::{ActivityDetector, ActivitySettings};
 use hearsight_audio::frames::{FrameSettings, Framer};
 use hearsight_audio::noise::{NoiseFloor, NoiseSettings};
-use hearsight_audio::spectrum::{Spectra, SpectrumAnalyzer, Window, bin_range, transform_length};
+use hearsight_audio::spectrum::{Spectra, SpectrumAnalyzer, Window, transform_length};
 use hearsight_audio::steered_response::{SteeredResponse, SteeredSettings};
 use hearsight_core::microphones::MicrophoneArray;
 use hearsight_core::room::ArraySensor;
 use hearsight_core::{AudioBlock, Instant};
 use serde::{Deserialize, Serialize};
-use std::ops::Range;
 
 /// How an array is listened to.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,10 +30,14 @@ pub struct SteeredArraySettings {
     /// How many decibels above the noise floor a frequency must be to count; -100 counts all. Default 3. The phase transform
     /// makes all frequencies equal, so that a fan beside the array is else louder than a voice in the room.
     pub gate_db: f32,
+    /// Of how much of the end of a frame it is asked whether there is voice, seconds, 0.01 to 2, at most the whole. Default
+    /// 0.04. Raising it is surer and later at the ends of phrases.
+    pub voice_s: f64,
     /// Where voice is told from noise, lowest and highest frequency, hertz. Default 300 to 6000; machines hum below.
     pub voice_hz: [f64; 2],
     /// When sound counts as voice, by the mean in decibels over 12 bands of equal ratio between these frequencies, each
-    /// above its own noise floor. Default on at 4 dB, off at 3 dB: such a mean hardly scatters.
+    /// above its own noise floor. Default on at 2.5 dB, off at 0.5 dB: such a mean is near -2.5 dB in noise (logarithms of
+    /// powers that scatter) and hardly scatters itself.
     pub activity: ActivitySettings,
 }
 
@@ -49,21 +53,19 @@ impl Default for SteeredArraySettings {
                 ..NoiseSettings::default()
             },
             gate_db: 3.0,
+            voice_s: 0.04,
             voice_hz: [300.0, 6000.0],
             activity: ActivitySettings {
-                on_db: 4.0,
-                off_db: 3.0,
+                on_db: 2.5,
+                off_db: 0.5,
                 hangover_s: 0.1,
-                slope: 1.0,
+                slope: 0.8,
                 limit: 3.0,
                 ..ActivitySettings::default()
             },
         }
     }
 }
-
-/// Bands in which voice is told from noise.
-const BANDS: usize = 12;
 
 /// What is remembered from frame to frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -95,9 +97,7 @@ pub struct SteeredPercepts {
     response: SteeredResponse,
     /// Least power over that of the noise at which a frequency counts.
     gate: f32,
-    /// Bins of the bands of voice, and their mean powers.
-    bands: [Range<usize>; BANDS],
-    band_powers: [f32; BANDS],
+    voice: VoiceBands,
     power: Vec<f32>,
     ignored: u64,
 }
@@ -146,17 +146,16 @@ impl SteeredPercepts {
         }
         let transform = transform_length(frames.length, microphones.max_delay_s(), array.rate_hz);
         let analyzer = SpectrumAnalyzer::new(frames.length, transform, Window::Hann)?;
-        let bands = bands(settings.voice_hz, array.rate_hz, transform)?;
-        let narrowest = bands.iter().map(Range::len).min().unwrap_or(0) as f64;
-        // Zeros that fill the transform add no knowledge, and the window makes neighbours alike.
-        let independent = narrowest * frames.length as f64 / transform as f64 / 1.5;
-        let floors = NoiseFloor::of_bands(
-            &settings.noise,
-            frames.hop_s(),
-            BANDS,
-            analyzer.window_energy(),
-            independent,
-        )?;
+        if !(settings.voice_s >= 0.01 && settings.voice_s <= 2.0) {
+            return Err(AudioError::Setting {
+                name: "voice_s",
+                rule: "within 0.01 and 2",
+                value: settings.voice_s,
+            });
+        }
+        let newest = (samples(settings.voice_s) as usize).min(frames.length);
+        let voice = VoiceBands::new(newest, array.rate_hz, settings.voice_hz)?;
+        let floors = voice.floor(&settings.noise, frames.hop_s())?;
         let noise_of_bins = NoiseFloor::of_spectra(
             &settings.noise,
             frames.hop_s(),
@@ -165,8 +164,7 @@ impl SteeredPercepts {
         )?;
         Ok(Self {
             gate: 10.0_f32.powf(settings.gate_db / 10.0),
-            bands,
-            band_powers: [0.0; BANDS],
+            voice,
             power: vec![0.0; analyzer.bins()],
             analyzer,
             spectra: Spectra::default(),
@@ -223,20 +221,16 @@ impl SteeredPercepts {
         let hop_s = framer.settings().hop_s();
         let (analyzer, spectra, response) = (&mut self.analyzer, &mut self.spectra, &mut self.response);
         let (gate, powers_of_bins) = (self.gate, &mut self.power);
-        let (bands, powers) = (&self.bands, &mut self.band_powers);
+        let voice = &mut self.voice;
         let mut failed = 0;
         let pushed = framer.push(block, |frame| {
             let observed = analyzer.transform_all(frame.channels, spectra).and_then(|()| {
                 mean_power(spectra, powers_of_bins);
-                for (power, band) in powers.iter_mut().zip(bands) {
-                    let sum: f32 = powers_of_bins[band.clone()].iter().sum();
-                    *power = sum / band.len() as f32;
-                }
-                if frame.filled == 0 {
+                let is_whole = frame.filled == 0;
+                if is_whole {
                     spectrum.observe(powers_of_bins)?;
-                    floors.observe(powers)?;
                 }
-                let ratio_db = mean_ratio_db(powers, floors.power());
+                let ratio_db = voice.ratio_db(frame.channels, is_whole, floors)?;
                 leave_out_noise(spectra, powers_of_bins, spectrum.power(), gate);
                 response.observe(&spectra.channels)?;
                 Ok(ratio_db)
@@ -275,38 +269,6 @@ fn mean_power(spectra: &Spectra, powers: &mut [f32]) {
             *power += share * value.norm_sqr();
         }
     }
-}
-
-/// Bins of bands of equal ratio.
-fn bands(
-    [low_hz, high_hz]: [f64; 2],
-    rate_hz: u32,
-    transform: usize,
-) -> Result<[Range<usize>; BANDS], AudioError> {
-    let wrong = AudioError::Setting {
-        name: "voice_hz",
-        rule: "two frequencies above 0 and far enough apart, the lower one first, below half the rate",
-        value: low_hz,
-    };
-    if !(low_hz > 0.0 && low_hz < high_hz && high_hz.is_finite()) {
-        return Err(wrong);
-    }
-    let high_hz = high_hz.min(0.46 * f64::from(rate_hz));
-    let edge = |number: usize| low_hz * (high_hz / low_hz).powf(number as f64 / BANDS as f64);
-    let bands = std::array::from_fn(|number| bin_range(edge(number), edge(number + 1), rate_hz, transform));
-    if bands.iter().any(Range::is_empty) {
-        return Err(wrong);
-    }
-    Ok(bands)
-}
-
-/// The mean over bands of the power over that of the noise, decibels, each and all within -100 and 100.
-fn mean_ratio_db(powers: &[f32], noise: &[f32]) -> f32 {
-    let ratios = powers.iter().zip(noise).map(|(power, noise)| {
-        let ratio = power.max(f32::MIN_POSITIVE) / noise.max(f32::MIN_POSITIVE);
-        (10.0 * ratio.log10()).clamp(-100.0, 100.0)
-    });
-    ratios.sum::<f32>() / powers.len().max(1) as f32
 }
 
 /// Sets the bins to nothing that are not so many times as strong as the noise.

@@ -1,6 +1,8 @@
 //! Who speaks, over time: hysteresis over the associations of single frames.
 //!
-//! A hidden Markov model whose states are the faces and "nobody". A frame whose sound survives with a face speaks for that
+//! A hidden Markov model whose states are the faces and "nobody"; where frames are asked how well they fit each face,
+//! nobody is silence or a sound from elsewhere, which explains any frame with a voice as well as the best place of the room,
+//! less by how seldom it is. A frame whose sound survives with a face speaks for that
 //! face, the more the better both fit; one whose sound survives with none, or that has no sound, speaks for nobody. The
 //! last who spoke is kept.
 
@@ -12,15 +14,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ActivitySettings {
-    /// Mean time for which somebody speaks, or nobody, seconds. Default 0.6. Raising it switches later and more rarely.
+    /// Mean time for which somebody speaks, or nobody, seconds. Default 0.4. Raising it switches later and more rarely.
     pub turn_s: f64,
-    /// Time over which frames count once, since they overlap and err together, seconds. Default 0.07.
+    /// Time over which frames count once for where a sound is, since they overlap and err together, seconds. Default 0.1.
     pub independent_s: f64,
-    /// Logarithm of the likelihood ratio, a face over nobody, of a perfect fit, above 0. Default 2.
+    /// The same for whether there is voice. Default 0.04, the part of a frame that this is asked of.
+    pub voice_independent_s: f64,
+    /// Logarithm of the likelihood ratio, a face over nobody, of a perfect fit, above 0. Default 1.5.
     pub fit: f64,
     /// The same where both are as far apart as is allowed. Default -0.5.
     pub edge: f64,
-    /// The same of a face with which the sound does not survive. Default -2.5.
+    /// The same of a face with which the sound does not survive. Default -1.5.
     pub apart: f64,
     /// The same of every face in a frame without sound. Default -1.5.
     pub silence: f64,
@@ -31,11 +35,12 @@ pub struct ActivitySettings {
 impl Default for ActivitySettings {
     fn default() -> Self {
         Self {
-            turn_s: 0.6,
-            independent_s: 0.07,
-            fit: 2.0,
+            turn_s: 0.4,
+            independent_s: 0.1,
+            voice_independent_s: 0.04,
+            fit: 1.5,
             edge: -0.5,
-            apart: -2.5,
+            apart: -1.5,
             silence: -1.5,
             least: 0.5,
         }
@@ -58,6 +63,8 @@ pub enum Heard<'a> {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Activity {
     nobody: f64,
+    /// Of that, that something sounds which is no face's.
+    elsewhere: f64,
     faces: Vec<(u64, f64)>,
     last: Option<u64>,
 }
@@ -66,6 +73,7 @@ impl Default for Activity {
     fn default() -> Self {
         Self {
             nobody: 1.0,
+            elsewhere: 0.0,
             faces: Vec::new(),
             last: None,
         }
@@ -76,7 +84,9 @@ impl Activity {
     /// Whether these are probabilities.
     pub fn is_sound(&self) -> bool {
         let share = |value: f64| (0.0..=1.0 + 1e-6).contains(&value);
-        share(self.nobody) && self.faces.iter().all(|(_, probability)| share(*probability))
+        share(self.nobody)
+            && (0.0..=self.nobody + 1e-6).contains(&self.elsewhere)
+            && self.faces.iter().all(|(_, probability)| share(*probability))
     }
 
     /// The probability that none of the faces speaks.
@@ -115,48 +125,61 @@ impl Activity {
         self.faces.sort_unstable_by_key(|(identity, _)| *identity);
         let kept: f64 = self.faces.iter().map(|(_, probability)| probability).sum();
         self.nobody = (1.0 - kept).max(0.0);
+        self.elsewhere = self.elsewhere.min(self.nobody);
     }
 
     /// Takes in a frame, `elapsed` after the one before.
     pub fn hear(&mut self, heard: Heard<'_>, elapsed: Span, settings: &ActivitySettings) {
         let seconds = elapsed.seconds().max(0.0);
         let stay = (-seconds / settings.turn_s.max(1e-3)).exp();
-        let each = 1.0 / (self.faces.len() + 1) as f64;
-        let share = (seconds / settings.independent_s.max(1e-3)).min(1.0);
-        self.nobody = stay * self.nobody + (1.0 - stay) * each;
+        let share = |independent_s: f64| (seconds / independent_s.max(1e-3)).min(1.0);
+        let (share, of_voice) = (share(settings.independent_s), share(settings.voice_independent_s));
+        // That something sounds elsewhere is told apart only where the frame itself is asked.
+        let rival = match heard {
+            Heard::Frame(voice, _) => Some(of_voice * voice - share * settings.fit),
+            Heard::Silence | Heard::Sound(_) => None,
+        };
+        let states = self.faces.len() + 1 + usize::from(rival.is_some());
+        let moves = |probability: f64| stay * probability + (1.0 - stay) / states as f64;
+        let (mut silent, mut elsewhere) = match rival {
+            Some(ratio) => (
+                moves(self.nobody - self.elsewhere),
+                moves(self.elsewhere) * ratio.exp(),
+            ),
+            None => (moves(self.nobody), 0.0),
+        };
         for (identity, probability) in &mut self.faces {
-            *probability = stay * *probability + (1.0 - stay) * each;
             let ratio = match heard {
-                Heard::Silence => settings.silence,
-                // A face speaks where there is voice, and it comes from there: either alone is not enough.
-                Heard::Frame(voice, fits) => fits
-                    .iter()
-                    .find(|(face, _)| face == identity)
-                    .map_or(settings.apart, |(_, below)| {
-                        (settings.fit + below).max(settings.apart)
-                    })
-                    .min(voice),
-                Heard::Sound(matches) => matches
-                    .iter()
-                    .find(|(face, _)| face == identity)
-                    .map_or(settings.apart, |(_, strain)| {
-                        settings.fit + (settings.edge - settings.fit) * strain.clamp(0.0, 1.0)
-                    }),
+                Heard::Silence => share * settings.silence,
+                Heard::Frame(voice, fits) => {
+                    let found = fits.iter().find(|(face, _)| face == identity);
+                    let least = settings.apart - settings.fit;
+                    of_voice * voice + share * found.map_or(least, |(_, below)| below.max(least))
+                }
+                Heard::Sound(matches) => {
+                    let found = matches.iter().find(|(face, _)| face == identity);
+                    share
+                        * found.map_or(settings.apart, |(_, strain)| {
+                            settings.fit + (settings.edge - settings.fit) * strain.clamp(0.0, 1.0)
+                        })
+                }
             };
-            *probability *= (share * ratio).exp();
+            *probability = moves(*probability) * ratio.exp();
         }
-        let sum = self.nobody + self.faces.iter().map(|(_, probability)| probability).sum::<f64>();
+        let sum = silent + elsewhere + self.faces.iter().map(|(_, probability)| probability).sum::<f64>();
         if sum > 0.0 && sum.is_finite() {
-            self.nobody /= sum;
+            silent /= sum;
+            elsewhere /= sum;
             self.faces
                 .iter_mut()
                 .for_each(|(_, probability)| *probability /= sum);
         } else {
-            self.nobody = 1.0;
+            (silent, elsewhere) = (1.0, 0.0);
             self.faces
                 .iter_mut()
                 .for_each(|(_, probability)| *probability = 0.0);
         }
+        (self.nobody, self.elsewhere) = (silent + elsewhere, elsewhere);
         self.last = self.speaking(settings).or(self.last);
     }
 }
@@ -201,6 +224,29 @@ mod tests {
         assert_eq!(activity.speaking(&settings), None);
         let sum = activity.nobody() + activity.probability_of(1) + activity.probability_of(2);
         assert!((sum - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_voice_is_nobodys_where_the_frame_fits_no_face_and_a_faces_where_it_does() {
+        let settings = ActivitySettings::default();
+        let (at_second, elsewhere) = ([(1, -6.0), (2, -0.3)], [(1, -6.0), (2, -5.0)]);
+        let mut activity = Activity::default();
+        hear(&mut activity, Heard::Frame(3.0, &at_second), 3);
+        assert_eq!(activity.speaking(&settings), Some(2));
+        hear(&mut activity, Heard::Frame(3.0, &elsewhere), 12);
+        assert!(
+            activity.elsewhere > 0.6 && activity.speaking(&settings).is_none(),
+            "{activity:?}"
+        );
+        // Without a voice it does not matter whom the frame fits.
+        hear(&mut activity, Heard::Frame(-3.0, &at_second), 4);
+        assert!(
+            activity.nobody() > 0.95 && activity.elsewhere < 0.05,
+            "{activity:?}"
+        );
+        hear(&mut activity, Heard::Frame(3.0, &at_second), 3);
+        assert_eq!(activity.speaking(&settings), Some(2));
+        assert!(activity.is_sound());
     }
 
     #[test]

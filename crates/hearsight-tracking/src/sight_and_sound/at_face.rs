@@ -18,28 +18,32 @@ const RANGES_M: [f64; 2] = [0.6, 5.0];
 /// on a line of sight: of the best range, each less by how improbable it is (half its squared deviations). `place` is what
 /// is believed of where this person is.
 pub fn log_likelihood_at(sight: &SightLine, place: Option<&Place>, response: &mut SteeredResponse) -> f32 {
-    let known = place
-        .map(|place| place.range(sight))
-        .or(sight.range_m)
-        .filter(|(range_m, deviation_m)| *range_m > 0.0 && deviation_m.is_finite());
-    let (range, is_known) = match known {
-        Some(range) => (range, true),
+    if let Some(place) = place {
+        let guesses = place.ranges(sight);
+        let each = guesses.iter().filter(|(range, _)| is_known(range));
+        return each
+            .map(|(range, logarithm)| *logarithm as f32 + best_along(sight, *range, 1.0, response))
+            .fold(f32::NEG_INFINITY, f32::max);
+    }
+    match sight.range_m.filter(is_known) {
+        Some(range) => best_along(sight, range, 1.0, response),
         None => {
             let [low_m, high_m] = RANGES_M;
             let middle_m = 0.5 * (low_m + high_m);
-            ((middle_m, (high_m - middle_m) / DEVIATIONS), false)
+            best_along(sight, (middle_m, (high_m - middle_m) / DEVIATIONS), 0.0, response)
         }
-    };
+    }
+}
+
+fn is_known((range_m, deviation_m): &(f64, f64)) -> bool {
+    *range_m > 0.0 && deviation_m.is_finite()
+}
+
+/// The highest log-likelihood along a sight, each less by `prior` times half the squared deviations.
+fn best_along(sight: &SightLine, range: (f64, f64), prior: f64, response: &mut SteeredResponse) -> f32 {
     along::<PLACES>(sight, range, DEVIATIONS, response)
         .iter()
-        .map(|(deviations, logarithm)| {
-            let prior = if is_known {
-                -0.5 * deviations * deviations
-            } else {
-                0.0
-            };
-            logarithm + prior as f32
-        })
+        .map(|(deviations, logarithm)| logarithm - (prior * 0.5 * deviations * deviations) as f32)
         .fold(f32::NEG_INFINITY, f32::max)
 }
 

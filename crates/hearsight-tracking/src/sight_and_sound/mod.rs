@@ -10,6 +10,7 @@
 pub mod activity;
 pub mod association;
 pub mod at_face;
+mod guess;
 pub mod lines;
 pub mod place;
 

@@ -1,20 +1,26 @@
 //! Where a person is in the room, as pictures and sounds come, and how wide their face is.
 //!
-//! A Gaussian over the place of the mouth, which walks at random, and over the width of the face as the cascade boxes it,
+//! Gaussians over the place of the mouth, which walks at random, and over the width of the face as the cascade boxes it,
 //! which stays what it is. A picture tells the ray to the mouth, and width over distance; the distance itself only as well
 //! as widths of faces are alike. An array elsewhere in the room sees the same mouth from the side: while somebody speaks,
 //! where their sound and their ray cross tells their distance, and so the width of their face, which then holds when they
 //! are silent and when they walk.
 //!
+//! A person of whom only the width is unsure can be heard from wherever their ray crosses the sound: a neighbour at a wrong
+//! distance explains a speaker as well as the speaker does. One Gaussian that once took the sound of somebody else would
+//! hold to it. There are therefore several, of narrower guesses at the width, and each is as probable as it explained what
+//! was heard (the range-parameterized filter of Peach, "Bearings-only tracking using a set of range-parameterised extended
+//! Kalman filters", 1995).
+//!
 //! Errors of a box and of an array's direction last for a while; both therefore count once in
 //! [`PlaceSettings::independent_s`], not once a frame.
 
-use super::at_face::along;
+use super::guess::Guess;
 use super::lines::SightLine;
 use crate::sound::PointEstimate;
 use hearsight_audio::steered_response::SteeredResponse;
 use hearsight_core::{Span, WorldPoint};
-use nalgebra::{Matrix3, Matrix4, Vector4};
+use nalgebra::Matrix3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -30,7 +36,8 @@ pub struct PlaceSettings {
     /// How far boxes of one face scatter in width, as a share of it. Default 0.16, for people who
     /// turn before frontal and profile cascades, which box the same head differently.
     pub box_deviation: f64,
-    /// Probability of speaking from which a person's sound tells how far they are, 0 to 1; above 1 it never does.
+    /// Probability of speaking from which a person's sound tells how far they are, as surely as it is theirs, 0 to 1; above
+    /// 1 it never does.
     /// Default 0.5.
     pub sure: f64,
 }
@@ -46,189 +53,160 @@ impl Default for PlaceSettings {
     }
 }
 
+/// Guesses at the width of a face, how far apart they are, and how unsure each is, in deviations of widths of faces: the
+/// squares of the last and of [`OF_GUESSES`] sum to 1.
+const GUESSES: usize = 7;
+const STEP: f64 = 0.75;
+const WITHIN: f64 = 0.5;
+const OF_GUESSES: f64 = 0.866;
+/// Logarithm of the least probability of a guess beside the best one: it may yet turn out to be right.
+const LEAST_LOG_WEIGHT: f64 = -9.0;
+
 /// Where a person is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Place {
     /// The person's identity.
     pub identity: u64,
-    /// Place of the mouth, metres, and the logarithm of the width of the face in metres.
-    mean: Vector4<f64>,
-    covariance: Matrix4<f64>,
+    guesses: [Guess; GUESSES],
 }
-
-/// The row of the width's logarithm.
-const WIDTH: usize = 3;
 
 impl Place {
     /// A person seen for the first time, whose face is `face_width_m` wide (mean and standard deviation); none where the
     /// sight says nothing of the distance.
     pub fn new(identity: u64, sight: &SightLine, face_width_m: (f64, f64)) -> Option<Self> {
-        let estimate = sight.estimate()?;
         let (width_m, deviation_m) = face_width_m;
-        if !(width_m > 0.0 && deviation_m > 0.0) {
+        let (range_m, range_deviation_m) = sight.range_m?;
+        if !(width_m > 0.0 && deviation_m > 0.0 && range_m > 0.0) {
             return None;
         }
-        let variance = (deviation_m / width_m).powi(2);
-        let mut covariance = Matrix4::zeros();
-        covariance
-            .fixed_view_mut::<3, 3>(0, 0)
-            .copy_from(&estimate.covariance);
-        // How far they are and how wide their face is are known together, up to what the box errs.
-        let (range_m, _) = sight.range_m?;
-        let shared = sight.ray.direction.into_inner() * (range_m * variance);
-        covariance.fixed_view_mut::<3, 1>(0, WIDTH).copy_from(&shared);
-        covariance
-            .fixed_view_mut::<1, 3>(WIDTH, 0)
-            .copy_from(&shared.transpose());
-        covariance[(WIDTH, WIDTH)] = variance;
-        let mean = estimate.mean.0.coords.push(width_m.ln());
+        let deviation = deviation_m / width_m;
+        let box_deviation = ((range_deviation_m / range_m).powi(2) - deviation.powi(2))
+            .max(0.0)
+            .sqrt();
+        let mut guesses = [None; GUESSES];
+        for (number, guess) in guesses.iter_mut().enumerate() {
+            let steps = STEP * (number as f64 - (GUESSES / 2) as f64);
+            let width_m = width_m * (steps * deviation).exp();
+            let log_weight = -0.5 * (steps / OF_GUESSES).powi(2);
+            *guess = Guess::new(log_weight, sight, (width_m, WITHIN * deviation), box_deviation);
+        }
+        let [first, ..] = guesses;
+        let mut all = [first?; GUESSES];
+        for (known, guess) in all.iter_mut().zip(guesses) {
+            *known = guess?;
+        }
         Some(Self {
             identity,
-            mean,
-            covariance,
+            guesses: all,
         })
     }
 
     /// Where the mouth is.
     pub fn estimate(&self) -> PointEstimate {
+        let weights = self.weights();
+        let guesses = self.guesses.each_ref().map(Guess::estimate);
+        let mut mean = nalgebra::Vector3::zeros();
+        for (weight, guess) in weights.iter().zip(&guesses) {
+            mean += *weight * guess.mean.0.coords;
+        }
+        let mut covariance = Matrix3::zeros();
+        for (weight, guess) in weights.iter().zip(&guesses) {
+            let apart = guess.mean.0.coords - mean;
+            covariance += *weight * (guess.covariance + apart * apart.transpose());
+        }
         PointEstimate {
-            mean: WorldPoint(self.mean.xyz().into()),
-            covariance: self.covariance.fixed_view::<3, 3>(0, 0).into_owned(),
+            mean: WorldPoint(mean.into()),
+            covariance,
         }
     }
 
     /// Width of the face as the cascade boxes it and its standard deviation, metres.
     pub fn face_width_m(&self) -> (f64, f64) {
-        let width_m = self.mean[WIDTH].exp();
-        let deviation = self.covariance[(WIDTH, WIDTH)].max(0.0).sqrt();
-        (width_m, width_m * deviation)
+        let (mut mean, mut square) = (0.0, 0.0);
+        for (weight, guess) in self.weights().iter().zip(&self.guesses) {
+            let (logarithm, variance) = guess.log_width();
+            mean += weight * logarithm;
+            square += weight * (variance + logarithm * logarithm);
+        }
+        let width_m = mean.exp();
+        (width_m, width_m * (square - mean * mean).max(0.0).sqrt())
     }
 
     /// Lets `elapsed` pass and takes in a sight.
     pub fn see(&mut self, sight: &SightLine, elapsed: Span, settings: &PlaceSettings) {
-        let seconds = elapsed.seconds().max(0.0);
-        let before = *self;
-        let mut step = self.covariance.fixed_view_mut::<3, 3>(0, 0);
-        step += Matrix3::identity() * (settings.walk_m.powi(2) * seconds);
-        let spread = spread(seconds, settings);
-        let direction = sight.ray.direction.into_inner();
-        let origin = sight.ray.origin.0.coords;
-        let range_m = (self.mean.xyz() - origin).dot(&direction).max(NEAREST_M);
-        // The mouth is on the ray.
-        let variance = (sight.deviation_rad * range_m * spread.min(ACROSS)).powi(2);
-        let first = direction
-            .cross(&nalgebra::Vector3::ith(direction.iamin(), 1.0))
-            .normalize();
-        for across in [first, direction.cross(&first)] {
-            self.take(across.push(0.0), across.dot(&origin), variance);
+        for guess in &mut self.guesses {
+            guess.see(sight, elapsed, settings);
         }
-        // Its box is as wide as the face at that distance: width_per_metre (range) = width. In logarithms, or boxes that
-        // err would be explained best by a face of no width at the camera.
-        if sight.range_m.is_some() {
-            let range_m = (self.mean.xyz() - origin).dot(&direction).max(NEAREST_M);
-            let row = (-direction / range_m).push(1.0);
-            let missing = sight.width_per_metre.ln() - (self.mean[WIDTH] - range_m.ln());
-            let deviation = settings.box_deviation * spread;
-            self.take(row, row.dot(&self.mean) + missing, deviation.powi(2));
-        }
-        self.keep_if_finite(before);
     }
 
-    /// Takes in a frame of sound that is this person's, `elapsed` after the one before: how well each distance along the
-    /// sight explains it.
+    /// Takes in a frame of sound, `elapsed` after the one before, that is this person's with that probability.
     pub fn hear(
         &mut self,
         sight: &SightLine,
         response: &mut SteeredResponse,
+        probability: f64,
         elapsed: Span,
         settings: &PlaceSettings,
     ) {
-        let before = *self;
-        let (range_m, deviation_m) = self.range(sight);
-        if !(range_m > 0.0 && deviation_m > 0.0 && deviation_m.is_finite()) {
-            return;
+        let weights = self.weights();
+        let before = self.guesses;
+        let mut evidence = [0.0; GUESSES];
+        for (guess, evidence) in self.guesses.iter_mut().zip(&mut evidence) {
+            match guess.hear(sight, response, probability, elapsed, settings) {
+                Some(found) if found.is_finite() => *evidence = found,
+                _ => {
+                    self.guesses = before;
+                    return;
+                }
+            }
         }
-        let share = spread(elapsed.seconds().max(0.0), settings).powi(-2);
-        let points = along::<PLACES>(sight, (range_m, deviation_m), DEVIATIONS, response);
-        let highest = points.iter().map(|point| point.1).fold(f32::MIN, f32::max);
-        let prior = points.map(|(deviations, _)| (deviations, -0.5 * deviations * deviations));
-        let told = points.map(|(deviations, logarithm)| {
-            let logarithm = share * f64::from(logarithm - highest);
-            (deviations, logarithm - 0.5 * deviations * deviations)
-        });
-        let (mean, variance) = moments(&told);
-        // That points reach only so far makes them narrower than a Gaussian, which is no knowledge.
-        let variance = variance / moments(&prior).1;
-        if !(variance > 0.0 && variance < 0.999) {
-            return;
+        let highest = evidence.iter().copied().fold(f64::MIN, f64::max);
+        let shares = evidence.map(|evidence| (evidence - highest).exp());
+        let mean: f64 = shares
+            .iter()
+            .zip(&weights)
+            .map(|(share, weight)| share * weight)
+            .sum();
+        for (guess, share) in self.guesses.iter_mut().zip(shares) {
+            guess.log_weight += (1.0 - probability + probability * share / mean.max(f64::MIN_POSITIVE)).ln();
         }
-        // The Gaussian sight of the distance that would have led to the same mean and variance.
-        let told = 1.0 / (1.0 / variance - 1.0);
-        let offset = mean / variance * told;
-        let direction = sight.ray.direction.into_inner();
-        let wanted = range_m + offset * deviation_m + direction.dot(&sight.ray.origin.0.coords);
-        self.take(direction.push(0.0), wanted, told * deviation_m.powi(2));
-        self.keep_if_finite(before);
-    }
-
-    /// How far along a sight this person is, and the standard deviation, metres.
-    pub fn range(&self, sight: &SightLine) -> (f64, f64) {
-        let direction = sight.ray.direction.into_inner();
-        let estimate = self.estimate();
-        let variance = direction.dot(&(estimate.covariance * direction));
-        (
-            (estimate.mean.0 - sight.ray.origin.0).dot(&direction),
-            variance.max(0.0).sqrt(),
-        )
-    }
-
-    /// Takes in that `row` times the state is `wanted`, with that variance.
-    fn take(&mut self, row: Vector4<f64>, wanted: f64, variance: f64) {
-        let shared = self.covariance * row;
-        let total = row.dot(&shared) + variance;
-        if !(total > 0.0 && total.is_finite()) {
-            return;
-        }
-        let gain = shared / total;
-        self.mean += gain * (wanted - row.dot(&self.mean));
-        // Joseph's form keeps it symmetric and positive.
-        let rest = Matrix4::identity() - gain * row.transpose();
-        self.covariance = rest * self.covariance * rest.transpose() + gain * gain.transpose() * variance;
-    }
-
-    /// What is not finite is no place: the old one stays.
-    fn keep_if_finite(&mut self, before: Self) {
-        let is_finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
-        if !(is_finite(self.mean.as_slice()) && is_finite(self.covariance.as_slice())) {
-            *self = before;
+        let best = self
+            .guesses
+            .iter()
+            .map(|guess| guess.log_weight)
+            .fold(f64::MIN, f64::max);
+        for guess in &mut self.guesses {
+            guess.log_weight = (guess.log_weight - best).max(LEAST_LOG_WEIGHT);
         }
     }
-}
 
-/// Pixels err anew at every picture, at the most so many times as much as one alone.
-const ACROSS: f64 = 2.0;
-/// Nobody is nearer to a camera, metres.
-const NEAREST_M: f64 = 0.2;
-/// Points along a sight at which a frame is asked, and how far they reach, deviations.
-const PLACES: usize = 25;
-const DEVIATIONS: f64 = 2.5;
-
-/// Mean and variance of values with the logarithms of their weights, of which the highest is about 0.
-fn moments(values: &[(f64, f64)]) -> (f64, f64) {
-    let (mut sum, mut mean, mut square) = (0.0, 0.0, 0.0);
-    for (value, logarithm) in values {
-        let weight = logarithm.exp();
-        sum += weight;
-        mean += weight * value;
-        square += weight * value * value;
+    /// How far along a sight this person is by each guess, and the standard deviation, metres; and the logarithm of the
+    /// guess's probability beside that of the best one.
+    pub(super) fn ranges(&self, sight: &SightLine) -> [((f64, f64), f64); GUESSES] {
+        let best = self
+            .guesses
+            .iter()
+            .map(|guess| guess.log_weight)
+            .fold(f64::MIN, f64::max);
+        self.guesses
+            .each_ref()
+            .map(|guess| (guess.range(sight), guess.log_weight - best))
     }
-    let mean = mean / sum;
-    (mean, square / sum - mean * mean)
-}
 
-/// By how much a deviation grows so that as many frames as pass meanwhile count once.
-fn spread(seconds: f64, settings: &PlaceSettings) -> f64 {
-    (settings.independent_s / seconds.max(1e-3)).sqrt().max(1.0)
+    /// The probability of each guess.
+    fn weights(&self) -> [f64; GUESSES] {
+        let best = self
+            .guesses
+            .iter()
+            .map(|guess| guess.log_weight)
+            .fold(f64::MIN, f64::max);
+        let weights = self
+            .guesses
+            .each_ref()
+            .map(|guess| (guess.log_weight - best).exp());
+        let sum: f64 = weights.iter().sum();
+        weights.map(|weight| weight / sum)
+    }
 }
 
 #[cfg(test)]
@@ -286,6 +264,30 @@ mod tests {
     }
 
     #[test]
+    fn a_place_that_took_somebody_elses_sound_is_left_once_its_own_is_heard() {
+        let mouth = WorldPoint::new(0.2, 2.2, 1.2);
+        let mut place = Place::new(1, &sight(mouth, 0.165), FACE_WIDTH_M).unwrap();
+        // A neighbour whose direction from the array meets this ray 0.5 m nearer.
+        let ray = sight(mouth, 0.165).ray;
+        let nearer = ray.at(ray.origin.distance_m(mouth) - 0.5);
+        let hear = |place: &mut Place, from: WorldPoint, probability: f64, ticks: usize| {
+            let mut response = response_to(from);
+            for _ in 0..ticks {
+                place.see(&sight(mouth, 0.165), TICK, &SETTINGS);
+                place.hear(&sight(mouth, 0.165), &mut response, probability, TICK, &SETTINGS);
+            }
+        };
+        hear(&mut place, nearer, 0.6, 25);
+        let misled_m = error_m(&place, mouth);
+        hear(&mut place, mouth, 0.8, 75);
+        assert!(
+            misled_m > 0.2 && error_m(&place, mouth) < 0.12,
+            "{misled_m} {}",
+            error_m(&place, mouth)
+        );
+    }
+
+    #[test]
     fn who_was_heard_is_known_by_the_width_of_their_face_where_they_walk_in_silence() {
         let mut mouth = WorldPoint::new(0.2, 2.2, 1.2);
         // A face much narrower than most looks far.
@@ -295,7 +297,7 @@ mod tests {
         let mut response = response_to(mouth);
         for _ in 0..100 {
             place.see(&sight(mouth, face_m), TICK, &SETTINGS);
-            place.hear(&sight(mouth, face_m), &mut response, TICK, &SETTINGS);
+            place.hear(&sight(mouth, face_m), &mut response, 1.0, TICK, &SETTINGS);
         }
         assert!(
             at_first_m > 0.4 && error_m(&place, mouth) < 0.1,
@@ -316,9 +318,9 @@ mod tests {
             error_m(&place, mouth),
             place.face_width_m()
         );
+        let covariance = place.estimate().covariance;
         assert!(
-            place
-                .covariance
+            covariance
                 .symmetric_eigenvalues()
                 .iter()
                 .all(|value| *value > 0.0)
