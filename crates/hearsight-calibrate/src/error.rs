@@ -69,10 +69,10 @@ pub enum CalibrateError {
         "no sound is louder than the noise while somebody is seen; check the levels and that the recordings overlap"
     )]
     SpeakerNeverHeard,
-    /// Too little to tell anything.
+    /// Too little to tell anything: frames count around which somebody is seen for as long as the clock may be off.
     #[error(
-        "somebody is seen and heard in {frames} frames of sound, at least {needed} are needed; record one or two minutes of \
-         someone who talks and walks about"
+        "somebody is seen throughout, whatever the clock, in {frames} frames of sound, at least {needed} are needed; record \
+         one or two minutes of someone who talks and walks about in view, or search less with --offset"
     )]
     TooLittleSpeech {
         /// Frames with somebody seen.

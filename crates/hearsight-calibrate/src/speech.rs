@@ -7,13 +7,22 @@
 //! over clock and turn finds where to begin; damped least squares do the rest. What is declared of the place counts as one
 //! more measurement, since arrays that are small or level hardly tell their distance and height.
 //!
+//! Mouths come from lines of sight ([`FaceSight`]): from where those of several cameras meet or, of one camera, from how wide
+//! a face is ([`sightings`]). Trackers lag behind whom they follow, which no sound tells from a late clock: the lag is
+//! measured by faces that are found anew ([`measure_lag`]) and taken out. Only frames count during which the same people are
+//! seen whatever the clock; of several people the one counts whose mouth fits a frame best.
+//!
 //! The speaker must be seen: mouths of people who are silent, alone in view, make clock and turn wrong together. So an
 //! answer is refused that reaches beyond the search by its deviation, or that has a rival far away.
 
 mod listening;
+mod meeting;
 mod search;
+mod sights;
 
 pub use listening::{HeardDelays, Listener};
+pub use meeting::sightings;
+pub use sights::{FaceSight, Lag, measure_lag};
 
 use crate::error::CalibrateError;
 use crate::least_squares::{Minimum, Problem, minimize};
@@ -88,8 +97,6 @@ const LEAST_FRAMES: usize = 40;
 const LEAST_SHARE: f64 = 0.15;
 /// Faces and reflections err alike for so long, seconds: frames within count once.
 const INDEPENDENT_S: f64 = 0.5;
-/// Times that the least mean cost is looked for, each from the one before (Dinkelbach 1967).
-const ROUNDS: usize = 4;
 /// A minimum is a rival where it costs less than so much more, as independent frames count: two standard deviations.
 const RIVAL_COST: f64 = 2.0;
 /// And where its clock or turn is apart by more than this, seconds and degrees,
@@ -149,36 +156,20 @@ pub fn calibrate(
             _ => people.push(vec![sighting]),
         }
     }
-    let mut search = Search {
-        declared,
-        heard,
-        people,
-        settings,
-        neutral: 0.0,
-    };
-    let frames = search.frames(0.0);
+    let search = Search::new(declared, heard, people, settings);
+    let frames = search.frames();
     if frames < LEAST_FRAMES {
         return Err(CalibrateError::TooLittleSpeech {
             frames,
             needed: LEAST_FRAMES,
         });
     }
-    let mut starts = search.starts();
-    let mut minima: Vec<(f64, Minimum)> = Vec::new();
-    for _ in 0..ROUNDS {
-        minima = starts
-            .into_iter()
-            .filter_map(|start| minimize(&search, start))
-            .map(|minimum| (search.cost(&minimum.unknowns), minimum))
-            .collect();
-        minima.sort_by(|one, other| one.0.total_cmp(&other.0));
-        let Some((_, minimum)) = minima.first() else { break };
-        search.neutral = search.mean_cost(&minimum.unknowns).unwrap_or(search.neutral);
-        starts = minima
-            .iter()
-            .map(|(_, minimum)| minimum.unknowns.clone())
-            .collect();
-    }
+    let starts = search.starts().into_iter();
+    let mut minima: Vec<(f64, Minimum)> = starts
+        .filter_map(|start| minimize(&search, start))
+        .map(|minimum| (search.cost(&minimum.unknowns), minimum))
+        .collect();
+    minima.sort_by(|one, other| one.0.total_cmp(&other.0));
     let ((least, minimum), rivals) = minima.split_first().ok_or(CalibrateError::Singular(
         "nothing heard changes with clock, turn or place",
     ))?;

@@ -2,14 +2,13 @@
 //!
 //! It decides nothing: whether what is found is an answer is for [`super::calibrate`] to say.
 
-use super::{HeardDelays, LEAST_FRAMES, Sighting, SpeechSettings};
+use super::sights::LONGEST_GAP;
+use super::{HeardDelays, Sighting, SpeechSettings};
 use crate::least_squares::Problem;
 use hearsight_core::microphones::MicrophoneArray;
 use hearsight_core::{Instant, Span, WorldPoint};
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 
-/// A mouth is known between two sightings not farther apart than this.
-const LONGEST_GAP: Span = Span::from_nanoseconds(300_000_000);
 /// A frame fits where its delays weigh so much in the mean.
 const FITS: f64 = 0.3;
 /// Starts are at least so far apart, seconds and degrees: neighbours would lead to one minimum and hide its rivals.
@@ -18,15 +17,25 @@ const STARTS_APART: (f64, f64) = (0.1, 7.5);
 const STARTS: usize = 8;
 /// Unknowns: offset in seconds, turn in radians, shift in metres.
 pub(super) const UNKNOWNS: usize = 5;
+/// Steps of the differences.
+const STEPS: [f64; UNKNOWNS] = [5e-3, 1e-4, 1e-4, 1e-4, 1e-4];
+/// Clocks and turns are tried up to so many times of what may be: a minimum at the very border is found, one far away is
+/// not.
+const BEYOND: f64 = 1.2;
 
 pub(super) struct Search<'a> {
-    pub(super) declared: &'a MicrophoneArray,
-    pub(super) heard: &'a [HeardDelays],
-    pub(super) people: Vec<Vec<Sighting>>,
-    pub(super) settings: &'a SpeechSettings,
-    /// What a frame costs at whose time nobody is seen: what the others cost in the mean, so that the clock is not drawn
-    /// to where most are seen.
-    pub(super) neutral: f64,
+    declared: &'a MicrophoneArray,
+    frames: Vec<Frame<'a>>,
+    people: Vec<Vec<Sighting>>,
+    settings: &'a SpeechSettings,
+}
+
+/// A frame and who is in view around its time.
+struct Frame<'a> {
+    heard: &'a HeardDelays,
+    /// Who is seen whatever the clock: numbers of people. If frames came and went with the clock, it would be drawn to
+    /// where the fewest are that do not fit.
+    people: Vec<usize>,
 }
 
 /// The array after a change of turn and place.
@@ -60,31 +69,69 @@ fn between(person: &[Sighting], time: Instant) -> Option<(WorldPoint, Matrix3<f6
     ))
 }
 
-impl Search<'_> {
-    /// The mouths at the time of a frame.
-    fn mouths(&self, frame: &HeardDelays, offset_s: f64) -> impl Iterator<Item = (WorldPoint, Matrix3<f64>)> {
-        let time = frame.time + Span::from_seconds(offset_s);
-        self.people.iter().filter_map(move |person| between(person, time))
+/// When somebody is seen without a gap: first and last instants.
+fn spells(person: &[Sighting]) -> Vec<(Instant, Instant)> {
+    person
+        .chunk_by(|one, next| next.time - one.time <= LONGEST_GAP)
+        .filter_map(|spell| Some((spell.first()?.time, spell.last()?.time)))
+        .collect()
+}
+
+impl<'a> Search<'a> {
+    /// A search over the frames during which somebody is seen. `people`: the sightings of each, in order of time.
+    pub(super) fn new(
+        declared: &'a MicrophoneArray,
+        heard: &'a [HeardDelays],
+        people: Vec<Vec<Sighting>>,
+        settings: &'a SpeechSettings,
+    ) -> Self {
+        let reach = Span::from_seconds(BEYOND * settings.offset_s + STEPS[0]);
+        let spells: Vec<_> = people.iter().map(|person| spells(person)).collect();
+        let frames = heard.iter().filter_map(|heard| {
+            let (first, last) = (heard.time - reach, heard.time + reach);
+            let seen = |spells: &Vec<(Instant, Instant)>| {
+                let within = |(from, to): &(Instant, Instant)| *from <= first && last <= *to;
+                spells.iter().any(within)
+            };
+            let people: Vec<usize> = (0..spells.len())
+                .filter(|&person| seen(&spells[person]))
+                .collect();
+            (!people.is_empty()).then_some(Frame { heard, people })
+        });
+        let frames = frames.collect();
+        Self {
+            declared,
+            frames,
+            people,
+            settings,
+        }
     }
 
-    pub(super) fn frames(&self, offset_s: f64) -> usize {
-        let frames = self.heard.iter();
-        frames
-            .filter(|frame| self.mouths(frame, offset_s).next().is_some())
-            .count()
+    /// Frames with somebody seen.
+    pub(super) fn frames(&self) -> usize {
+        self.frames.len()
+    }
+}
+
+impl Search<'_> {
+    /// The mouths at the time of a frame.
+    fn mouths(&self, frame: &Frame<'_>, offset_s: f64) -> impl Iterator<Item = (WorldPoint, Matrix3<f64>)> {
+        let time = frame.heard.time + Span::from_seconds(offset_s);
+        let people = frame.people.iter();
+        people.filter_map(move |&person| between(&self.people[person], time))
     }
 
     /// Residuals of a frame for a mouth, in units of their deviations.
     fn residuals<'b>(
         &'b self,
         array: &'b MicrophoneArray,
-        frame: &'b HeardDelays,
+        frame: &'b Frame<'_>,
         mouth: WorldPoint,
         covariance: Matrix3<f64>,
     ) -> impl Iterator<Item = f64> + 'b {
         array
             .pairs()
-            .zip(&frame.delays_s)
+            .zip(&frame.heard.delays_s)
             .filter_map(move |(pair, delay_s)| {
                 let gradient = pair.delay_gradient_s_per_m(mouth);
                 let variance = self.settings.delay_s.powi(2) + gradient.dot(&(covariance * gradient));
@@ -93,22 +140,20 @@ impl Search<'_> {
             })
     }
 
-    /// The mouth that fits a frame best and its cost; a frame without a mouth costs what one that does not fit would.
+    /// The mouth that fits a frame best and its cost.
     fn best(
         &self,
         array: &MicrophoneArray,
-        frame: &HeardDelays,
+        frame: &Frame<'_>,
         offset_s: f64,
-    ) -> (f64, Option<(WorldPoint, Matrix3<f64>)>) {
-        let mut best = (self.neutral, None);
-        for (mouth, covariance) in self.mouths(frame, offset_s) {
-            let residuals = self.residuals(array, frame, mouth, covariance);
-            let cost: f64 = residuals.map(|r| 0.5 * r * r / (1.0 + r * r)).sum();
-            if best.1.is_none() || cost < best.0 {
-                best = (cost, Some((mouth, covariance)));
-            }
-        }
-        best
+    ) -> Option<(f64, WorldPoint, Matrix3<f64>)> {
+        self.mouths(frame, offset_s)
+            .map(|(mouth, covariance)| {
+                let residuals = self.residuals(array, frame, mouth, covariance);
+                let cost: f64 = residuals.map(|r| 0.5 * r * r / (1.0 + r * r)).sum();
+                (cost, mouth, covariance)
+            })
+            .min_by(|one, other| one.0.total_cmp(&other.0))
     }
 
     fn declared_cost(&self, unknowns: &[f64]) -> f64 {
@@ -116,23 +161,8 @@ impl Search<'_> {
         0.5 * ((unknowns[2] / level).powi(2) + (unknowns[3] / level).powi(2) + (unknowns[4] / height).powi(2))
     }
 
-    /// What a frame with somebody seen costs in the mean; none where there are too few.
-    pub(super) fn mean_cost(&self, unknowns: &DVector<f64>) -> Option<f64> {
-        let array = moved(self.declared, unknowns.as_slice())?;
-        let costs = self
-            .heard
-            .iter()
-            .map(|frame| self.best(&array, frame, unknowns[0]));
-        let (mut sum, mut count) = (0.0, 0);
-        for (cost, _) in costs.filter(|(_, mouth)| mouth.is_some()) {
-            sum += cost;
-            count += 1;
-        }
-        (count >= LEAST_FRAMES).then(|| sum / f64::from(count as u32))
-    }
-
-    /// The most promising clocks and turns: those with the least cost of a frame. Sets the neutral cost by the best.
-    pub(super) fn starts(&mut self) -> Vec<DVector<f64>> {
+    /// The most promising clocks and turns: those with the least cost.
+    pub(super) fn starts(&self) -> Vec<DVector<f64>> {
         let steps = |most: f64, step: f64| {
             let count = (most / step).floor() as i64;
             (-count..=count).map(move |number| number as f64 * step)
@@ -141,13 +171,13 @@ impl Search<'_> {
         for turn_deg in steps(self.settings.turn_deg, 2.5) {
             for offset_s in steps(self.settings.offset_s, 0.04) {
                 let unknowns = DVector::from_vec(vec![offset_s, turn_deg.to_radians(), 0.0, 0.0, 0.0]);
-                if let Some(cost) = self.mean_cost(&unknowns) {
+                let cost = self.cost(&unknowns);
+                if cost.is_finite() {
                     found.push((cost, unknowns));
                 }
             }
         }
         found.sort_by(|one, other| one.0.total_cmp(&other.0));
-        self.neutral = found.first().map_or(0.0, |(cost, _)| *cost);
         let mut starts: Vec<DVector<f64>> = Vec::new();
         for (_, unknowns) in found {
             let near = |start: &DVector<f64>| {
@@ -167,8 +197,8 @@ impl Search<'_> {
             return (0, 0);
         };
         let (mut all, mut fitting) = (0, 0);
-        for frame in self.heard {
-            let (_, Some((mouth, covariance))) = self.best(&array, frame, unknowns[0]) else {
+        for frame in &self.frames {
+            let Some((_, mouth, covariance)) = self.best(&array, frame, unknowns[0]) else {
                 continue;
             };
             all += 1;
@@ -188,20 +218,18 @@ impl Problem for Search<'_> {
         let Some(array) = moved(self.declared, unknowns.as_slice()) else {
             return f64::INFINITY;
         };
-        // A little beyond what may be: a minimum at the very border is found, one far away is not.
-        let turn_rad = 1.2 * self.settings.turn_deg.to_radians();
-        if unknowns[0].abs() > 1.2 * self.settings.offset_s || unknowns[1].abs() > turn_rad {
+        let turn_rad = BEYOND * self.settings.turn_deg.to_radians();
+        if unknowns[0].abs() > BEYOND * self.settings.offset_s || unknowns[1].abs() > turn_rad {
             return f64::INFINITY;
         }
-        let frames = self.heard.iter();
+        let frames = self.frames.iter();
         frames
-            .map(|frame| self.best(&array, frame, unknowns[0]).0)
+            .filter_map(|frame| Some(self.best(&array, frame, unknowns[0])?.0))
             .sum::<f64>()
             + self.declared_cost(unknowns.as_slice())
     }
 
     fn normal(&self, unknowns: &DVector<f64>, matrix: &mut DMatrix<f64>, side: &mut DVector<f64>) {
-        const STEPS: [f64; UNKNOWNS] = [5e-3, 1e-4, 1e-4, 1e-4, 1e-4];
         let Some(here) = moved(self.declared, unknowns.as_slice()) else {
             return;
         };
@@ -216,8 +244,8 @@ impl Problem for Search<'_> {
                 around.push((array.as_ref().map(pairs_of), changed[0]));
             }
         }
-        for frame in self.heard {
-            let Some((mouth, covariance)) = self.best(&here, frame, unknowns[0]).1 else {
+        for frame in &self.frames {
+            let Some((_, mouth, covariance)) = self.best(&here, frame, unknowns[0]) else {
                 continue;
             };
             // The same person a little earlier or later.
@@ -226,7 +254,7 @@ impl Problem for Search<'_> {
                     .min_by(|one, other| one.0.distance_m(mouth).total_cmp(&other.0.distance_m(mouth)))
             };
             let ends = [near(around[0].1), near(around[1].1)].map(|end| end.map(|(mouth, _)| mouth));
-            for (number, (own, delay_s)) in own.iter().zip(&frame.delays_s).enumerate() {
+            for (number, (own, delay_s)) in own.iter().zip(&frame.heard.delays_s).enumerate() {
                 let gradient = own.delay_gradient_s_per_m(mouth);
                 let deviation =
                     (self.settings.delay_s.powi(2) + gradient.dot(&(covariance * gradient))).sqrt();

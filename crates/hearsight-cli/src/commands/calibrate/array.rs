@@ -1,18 +1,19 @@
 //! Clock, turn and place of an array from people who talk and are seen.
 
+mod seeing;
+
 use crate::exit::Code;
 use crate::overrides::RoomOverrides;
 use crate::say;
 use hearsight::Engine;
-use hearsight::calibrate::speech::{ArrayCalibration, Listener, Sighting, SpeechSettings, calibrate};
-use hearsight::core::Instant;
-use hearsight::core::camera::Camera;
+use hearsight::calibrate::speech::{
+    ArrayCalibration, Lag, Listener, SpeechSettings, calibrate, measure_lag, sightings,
+};
 use hearsight::core::microphones::MicrophoneArray;
-use hearsight::core::record::ViewRecord;
 use hearsight::core::room::Room;
 use hearsight::engine::config::load;
-use hearsight::tracking::sight_and_sound::{AssociationSettings, SightLine};
 use miette::{IntoDiagnostic, miette};
+use seeing::Seeing;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -20,7 +21,13 @@ Examples:
   hearsight calibrate array room.toml
   hearsight calibrate array room.toml --array table --offset 1.0 --turn 45
   hearsight calibrate array room.toml --json
-Record one or two minutes of one person who walks about before the cameras, face towards them, and talks.";
+Record one or two minutes of one person who walks about before the cameras, face towards them, and talks.
+
+One calibrated camera tells how far away a face is by its width, badly. With two or more in the room file, heads are \
+placed where the cameras' lines of sight meet, turned away or not: let whoever talks be seen by two at a time. Nothing has to \
+be chosen; --set camera.NAME.start=... puts their clocks right, which must agree to a frame. Others may be in view: who \
+is seen where the sound comes from counts. Walk to and fro and near as well as far: who stays at one distance makes a \
+turn look like a step aside, which the printed deviations then say.";
 
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
@@ -46,11 +53,6 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-/// The height of a mouth in the box of a head.
-const MOUTH: f64 = 0.75;
-/// Width of a cascade's box over that of the head in it.
-const FACE: f64 = 1.0 / 0.85;
-
 /// Follows faces, listens, calibrates and prints.
 pub(super) fn run(arguments: &Arguments) -> miette::Result<Code> {
     for (name, value) in [
@@ -62,33 +64,17 @@ pub(super) fn run(arguments: &Arguments) -> miette::Result<Code> {
             return Err(miette!("{name} is {value}; give a number above 0"));
         }
     }
-    let mut overrides = arguments.overrides.list();
-    // Faces alone are wanted, whatever tracks this room otherwise.
-    overrides.push(("system.name".to_owned(), "\"three-mics\"".to_owned()));
-    let mut engine = Engine::open(load(&arguments.room, &overrides)?).into_diagnostic()?;
+    let mut engine = open(arguments)?;
     let number = array_of(engine.room(), arguments.array.as_deref())?;
     let sensor = engine.room().arrays[number].clone();
     let declared = MicrophoneArray::new(sensor.microphones.clone())
         .and_then(|array| array.with_speed_of_sound(engine.room().speed_of_sound_m_s))
         .into_diagnostic()?;
     let mut listener = Listener::new(&declared, sensor.rate_hz).into_diagnostic()?;
-    let mut seen = Vec::new();
+    let mut seeing = Seeing::new();
     while engine.step().is_some() {
         let tick = engine.tick();
-        let room = engine.room();
-        for (track, view) in tick
-            .scene
-            .tracks
-            .iter()
-            .flat_map(|track| track.views.iter().map(move |view| (track, view)))
-        {
-            let camera = room.cameras.iter().position(|camera| camera.name == view.camera);
-            let new = camera.and_then(|camera| tick.moment.video.get(camera)?.get());
-            let calibration = camera.and_then(|camera| room.cameras[camera].calibration);
-            if let (Some(frame), Some(calibration)) = (new, calibration) {
-                seen.extend(sighting(&calibration, track.id, view, frame.time));
-            }
-        }
+        seeing.see(engine.room(), tick.scene, tick.moment);
         if let Some(block) = tick.moment.audio.get(number).and_then(|block| block.get()) {
             listener.hear(block).into_diagnostic()?;
         }
@@ -99,10 +85,32 @@ pub(super) fn run(arguments: &Arguments) -> miette::Result<Code> {
         place_m: [arguments.place, SpeechSettings::default().place_m[1]],
         ..SpeechSettings::default()
     };
-    let found = calibrate(&declared, &listener.loud(), &seen, &settings).into_diagnostic()?;
+    let lag = measure_lag(&seeing.followed, &seeing.found).unwrap_or(Lag::USUAL);
+    let seen = sightings(&seeing.followed, lag.lag_s);
+    let mut found = calibrate(&declared, &listener.loud(), &seen, &settings).into_diagnostic()?;
+    // A tracker that lags as much more as it may would make the clock as much later.
+    found.offset_deviation_s = found.offset_deviation_s.hypot(lag.deviation_s);
     let places = found.apply(&declared).into_diagnostic()?;
-    print(arguments, &sensor.name, &found, &places)?;
+    print(arguments, &sensor.name, &found, lag, &places)?;
     Ok(Code::Done)
+}
+
+/// The room with a system that follows heads, whatever tracks it otherwise. Several cameras find a head's distance where
+/// their lines of sight meet, so that heads that are turned away serve too; of one alone the width of a face must tell it.
+fn open(arguments: &Arguments) -> miette::Result<Engine> {
+    let mut overrides = arguments.overrides.list();
+    let with_system = |overrides: &mut Vec<(String, String)>, name: &str| {
+        overrides.push(("system.name".to_owned(), format!("{name:?}")));
+    };
+    with_system(&mut overrides, "three-mics");
+    let resolved = load(&arguments.room, &overrides)?;
+    let cameras = resolved.cameras.iter();
+    if cameras.filter(|camera| camera.calibration.is_some()).count() < 2 {
+        return Engine::open(resolved).into_diagnostic();
+    }
+    with_system(&mut overrides, "stac");
+    overrides.push(("system.stac.modality".to_owned(), "\"video\"".to_owned()));
+    Engine::open(load(&arguments.room, &overrides)?).into_diagnostic()
 }
 
 fn array_of(room: &Room, name: Option<&str>) -> miette::Result<usize> {
@@ -121,37 +129,11 @@ fn array_of(room: &Room, name: Option<&str>) -> miette::Result<usize> {
     }
 }
 
-/// A mouth in the room, from its pixel and from how wide the face is.
-fn sighting(camera: &Camera, person: u64, view: &ViewRecord, time: Instant) -> Option<Sighting> {
-    let head = &view.head;
-    let pixel = (
-        (head.left + head.width / 2.0) as f32,
-        (head.top + MOUTH * head.height) as f32,
-    );
-    let width_px = FACE * head.width;
-    let deviation_px = (0.1 * width_px).hypot(view.deviation_px[0].max(view.deviation_px[1]));
-    let width_m = AssociationSettings::default().face_width();
-    let line = SightLine::new(
-        camera,
-        pixel,
-        deviation_px,
-        width_px,
-        0.05 * width_px,
-        Some(width_m),
-    )?;
-    let estimate = line.estimate()?;
-    Some(Sighting {
-        time,
-        person,
-        mouth: estimate.mean,
-        covariance: estimate.covariance,
-    })
-}
-
 fn print(
     arguments: &Arguments,
     name: &str,
     found: &ArrayCalibration,
+    lag: Lag,
     places: &MicrophoneArray,
 ) -> miette::Result<()> {
     let microphones: Vec<[f64; 3]> = places
@@ -169,6 +151,7 @@ fn print(
             "turn_deg": turn_deg, "turn_deviation_deg": turn_deviation_deg,
             "shift_m": shift, "shift_deviation_m": shift_deviation,
             "frames": found.frames, "share": found.share,
+            "lag_s": lag.lag_s, "lag_deviation_s": lag.deviation_s, "lag_faces": lag.faces,
             "microphones_m": microphones,
         });
         say::line(serde_json::to_string_pretty(&value).into_diagnostic()?);
@@ -178,6 +161,14 @@ fn print(
         "{name}: {} loud frames with somebody seen, {:.0} % of them fit",
         found.frames,
         100.0 * found.share
+    ));
+    let by = match lag.faces {
+        0 => "as is usual: too few faces are found to measure it".to_owned(),
+        faces => format!("by {faces} faces"),
+    };
+    say::line(format_args!(
+        "lag    of the tracks {:.3} +- {:.3} s, {by}",
+        lag.lag_s, lag.deviation_s
     ));
     say::line(format_args!(
         "clock  add {:.3} +- {:.3} s to the array's start",
