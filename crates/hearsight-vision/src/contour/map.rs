@@ -7,12 +7,14 @@
 //! logarithm is interpolated, not found anew; edges are sought in the strength interpolated, not its square; and the
 //! Gaussian of a distance is its Taylor polynomial around the nearest whole pixel (within 0.002).
 
+mod tile;
+
 use super::gradient::GradientPicture;
 use super::likelihood::{ContourScorer, LineLikelihood};
 use crate::VisionError;
 use hearsight_core::Rectangle;
-use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
+use tile::{Direction, Rule, SMOOTH_PX, TILE, VALUES, Values, Work, kernel};
 
 /// How outlines of heads are scored.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,10 +42,6 @@ impl Default for OutlineOptions {
     }
 }
 
-/// Size of a tile in values; the last row and column are the first of its neighbours, so that one tile holds all four
-/// pixels around a place.
-const TILE: [usize; 2] = [16, 8];
-const VALUES: usize = TILE[0] * TILE[1];
 /// Pixels from tile to tile.
 const PITCH: [usize; 2] = [TILE[0] - 1, TILE[1] - 1];
 /// A tile that nobody has asked for.
@@ -52,12 +50,8 @@ const UNKNOWN: u32 = u32::MAX;
 const NOTHING: u32 = 0;
 /// Tiles for which there is memory from the start, at most.
 const RESERVED: usize = 1 << 14;
-/// Smallest deviation whose Gaussian the polynomial follows, pixels.
-const SMOOTH_PX: f32 = 1.5;
 /// Largest relative difference of an ellipse's aspect from that of the map.
 const SAME_ASPECT: f32 = 1e-3;
-
-type Values = [f32; VALUES];
 
 /// A line of an outline: where it crosses an ellipse of half axes 1, and which direction it has.
 #[derive(Clone, Copy, Debug)]
@@ -67,33 +61,14 @@ struct Line {
     direction: usize,
 }
 
-/// A place between four pixels: the upper left one relative to the line's middle, and what each counts.
-#[derive(Clone, Copy, Debug)]
-struct Tap {
-    column: i32,
-    row: i32,
-    weights: [f32; 4],
-}
-
-/// The samples along a line of one direction, from one before its reach to one behind.
-#[derive(Clone, Debug)]
-struct Direction {
-    products: [f32; 3],
-    taps: Vec<Tap>,
-}
-
-/// Polynomials of the Gaussian around each whole pixel of a line.
-type Kernel = Vec<[f32; 4]>;
-
 /// Scores ellipses of one picture after another; owns its buffers.
 #[derive(Clone, Debug)]
 pub struct OutlineMap {
     options: OutlineOptions,
     exact: ContourScorer,
-    reach: usize,
+    rule: Rule,
     lines: Vec<Line>,
     directions: Vec<Direction>,
-    kernel: Kernel,
     /// Tiles across and down.
     grid: [usize; 2],
     /// Of each direction and tile, which of the tiles it is.
@@ -102,14 +77,6 @@ pub struct OutlineMap {
     known: Vec<usize>,
     tiles: Vec<Values>,
     work: Work,
-}
-
-#[derive(Clone, Debug, Default)]
-struct Work {
-    /// Strengths around a tile.
-    strengths: Vec<f32>,
-    /// Strengths at each tap of each value of a tile.
-    samples: Vec<Values>,
 }
 
 impl OutlineMap {
@@ -142,10 +109,14 @@ impl OutlineMap {
         Ok(Self {
             options,
             exact,
-            reach,
+            rule: Rule {
+                reach,
+                kernel: kernel(options.line.deviation_px, reach),
+                least: options.least_strength,
+                gain: options.line.gain(),
+            },
             lines,
             directions,
-            kernel: kernel(options.line.deviation_px, reach),
             grid: [0; 2],
             places: Vec::new(),
             known: Vec::new(),
@@ -178,7 +149,7 @@ impl OutlineMap {
 
     /// Pixels around the picture that have values as well: lines whose middle is outside may reach into it.
     fn margin(&self) -> usize {
-        self.reach + 2
+        self.rule.reach + 2
     }
 
     /// Writes the mean over the lines of the logarithm of equation 10 on the outline into `scores`, as
@@ -239,130 +210,11 @@ impl OutlineMap {
             (tile_y * PITCH[1]) as i32 - margin,
         ];
         let direction = &self.directions[direction];
-        let halo = self.reach + 2;
-        // Whole registers a row.
-        let size = [(TILE[0] + 2 * halo).next_multiple_of(8), TILE[1] + 2 * halo];
-        let from = corner.map(|place| place - halo as i32);
-        let least = self.options.least_strength;
-        if gradients.strongest_within(from, size) < least * least {
+        let Some(tile) = self.work.make(gradients, direction, &self.rule, corner) else {
             return NOTHING;
-        }
-        let Work { strengths, samples } = &mut self.work;
-        strengths.resize(size[0] * size[1], 0.0);
-        let strongest = gradients.strengths(from, size, direction.products, strengths);
-        if strongest < least {
-            return NOTHING;
-        }
-        samples.resize(direction.taps.len(), [0.0; VALUES]);
-        sample(strengths, size[0], halo, &direction.taps, samples);
-        let mut tile = [0.0; VALUES];
-        add_edges(samples, &self.kernel, least, &mut tile);
-        logarithms(self.options.line.gain(), &mut tile);
+        };
         self.tiles.push(tile);
         (self.tiles.len() - 1) as u32
-    }
-}
-
-impl Direction {
-    fn new([nx, ny]: [f64; 2], reach: usize) -> Self {
-        let end = reach as i32 + 1;
-        let taps = (-end..=end).map(|step| {
-            let (x, y) = (f64::from(step) * nx, f64::from(step) * ny);
-            let (part_x, part_y) = (x - x.floor(), y - y.floor());
-            Tap {
-                column: x.floor() as i32,
-                row: y.floor() as i32,
-                weights: [
-                    (1.0 - part_x) * (1.0 - part_y),
-                    part_x * (1.0 - part_y),
-                    (1.0 - part_x) * part_y,
-                    part_x * part_y,
-                ]
-                .map(|weight| weight as f32),
-            }
-        });
-        Self {
-            products: [nx * nx, 2.0 * nx * ny, ny * ny].map(|product| product as f32),
-            taps: taps.collect(),
-        }
-    }
-}
-
-/// Taylor polynomials of `exp(-(step + shift)^2 / (2 sigma^2))` in the shift, for each step of a line.
-fn kernel(deviation: f32, reach: usize) -> Kernel {
-    let deviation = f64::from(deviation);
-    let reach = reach as i32;
-    (-reach..=reach)
-        .map(|step| {
-            // Hermite's polynomials, over factorials.
-            let t = f64::from(step) / deviation;
-            let height = (-0.5 * t * t).exp();
-            [
-                height,
-                -height * t / deviation,
-                height * (t * t - 1.0) / (2.0 * deviation.powi(2)),
-                -height * (t * t * t - 3.0 * t) / (6.0 * deviation.powi(3)),
-            ]
-            .map(|coefficient| coefficient as f32)
-        })
-        .collect()
-}
-
-/// Interpolates the strengths around a tile at every tap of each of its values.
-#[multiversion(targets("x86_64+avx2", "x86_64+sse4.1"))]
-fn sample(strengths: &[f32], width: usize, halo: usize, taps: &[Tap], samples: &mut [Values]) {
-    const NEEDED: usize = TILE[0] + 1;
-    for (tap, values) in taps.iter().zip(samples) {
-        let [a, b, c, d] = tap.weights;
-        let first = (halo as i32 + tap.row) as usize * width + (halo as i32 + tap.column) as usize;
-        let (rows, _) = values.as_chunks_mut::<{ TILE[0] }>();
-        for (row, values) in rows.iter_mut().enumerate() {
-            let at = first + row * width;
-            let (Some(above), Some(below)) = (
-                strengths.get(at..).and_then(|row| row.first_chunk::<NEEDED>()),
-                strengths
-                    .get(at + width..)
-                    .and_then(|row| row.first_chunk::<NEEDED>()),
-            ) else {
-                continue;
-            };
-            for (i, value) in values.iter_mut().enumerate() {
-                *value = (a * above[i] + b * above[i + 1]) + (c * below[i] + d * below[i + 1]);
-            }
-        }
-    }
-}
-
-/// Adds to each value the Gaussians of the distances of all edges on its line: of the places of its samples that are
-/// stronger than both neighbours, refined by the parabola through the three.
-#[multiversion(targets("x86_64+avx2", "x86_64+sse4.1"))]
-fn add_edges(samples: &[Values], kernel: &[[f32; 4]], least: f32, tile: &mut Values) {
-    for (three, [c0, c1, c2, c3]) in samples.windows(3).zip(kernel) {
-        let [before, here, after] = three else { continue };
-        for i in 0..VALUES {
-            let (a, b, c) = (before[i], here[i], after[i]);
-            let bend = (a - b) + (c - b);
-            let shift = 0.5 * (a - c) / bend;
-            let near = c0 + shift * (c1 + shift * (c2 + shift * c3));
-            let is_edge = (b > a) & (b >= c) & (b >= least);
-            tile[i] += if is_edge { near } else { 0.0 };
-        }
-    }
-}
-
-/// Replaces each sum s by `ln(1 + gain s)`, within 1e-6.
-#[multiversion(targets("x86_64+avx2", "x86_64+sse4.1"))]
-fn logarithms(gain: f32, tile: &mut Values) {
-    for value in tile.iter_mut() {
-        let ratio = 1.0 + gain * *value;
-        // Mantissa in [sqrt(1/2), sqrt(2)): ln m = 2 artanh((m - 1) / (m + 1)).
-        let offset = ratio.to_bits().wrapping_sub(0x3F35_04F3);
-        let exponent = (offset as i32) >> 23;
-        let mantissa = f32::from_bits(ratio.to_bits().wrapping_sub((exponent as u32) << 23));
-        let part = (mantissa - 1.0) / (mantissa + 1.0);
-        let square = part * part;
-        let series = 2.0 + square * (2.0 / 3.0 + square * (2.0 / 5.0 + square * (2.0 / 7.0)));
-        *value = exponent as f32 * std::f32::consts::LN_2 + part * series;
     }
 }
 
@@ -456,6 +308,44 @@ mod tests {
     }
 
     #[test]
+    fn neighbours_at_a_head_differ_as_they_do_when_each_line_is_looked_along() {
+        let gradients = gradients();
+        let options = OutlineOptions::default();
+        let mut map = OutlineMap::new(options).unwrap();
+        map.begin(&gradients);
+        let exact = ContourScorer::new(options.line, options.lines, options.least_strength).unwrap();
+        // Half a pixel aside, down, and larger: what a filter with some pixels of spread tells apart.
+        let ellipses: Vec<Rectangle> = (0..300_u16)
+            .flat_map(|k| {
+                let k = f32::from(k);
+                let (x, y, half) = (
+                    57.0 + (1.31 * k) % 5.0,
+                    45.5 + (0.77 * k) % 5.0,
+                    20.0 + (0.19 * k) % 3.0,
+                );
+                [
+                    head(x, y, half),
+                    head(x + 0.5, y, half),
+                    head(x, y + 0.5, half),
+                    head(x, y, half + 0.5),
+                ]
+            })
+            .collect();
+        let (mut fast, mut slow) = (vec![0.0; ellipses.len()], vec![0.0; ellipses.len()]);
+        map.score(&gradients, &ellipses, &mut fast);
+        exact.score(&gradients, &ellipses, &mut slow);
+        let (mut wrong, mut all) = (0.0_f32, 0.0_f32);
+        for (fast, slow) in fast.chunks_exact(4).zip(slow.chunks_exact(4)) {
+            for other in 1..4 {
+                let differ = slow[other] - slow[0];
+                wrong += (fast[other] - fast[0] - differ).powi(2);
+                all += differ * differ;
+            }
+        }
+        assert!((wrong / all).sqrt() < 0.3, "{} of {}", wrong.sqrt(), all.sqrt());
+    }
+
+    #[test]
     fn a_new_picture_is_looked_at_anew_and_the_order_of_questions_does_not_matter() {
         let (first, mut other) = (gradients(), GradientPicture::default());
         let grey = vec![90_u8; SIZE[0] * SIZE[1] * 3];
@@ -506,30 +396,6 @@ mod tests {
             },
         ] {
             assert!(OutlineMap::new(options).is_err());
-        }
-    }
-
-    #[test]
-    fn the_polynomials_follow_the_gaussian() {
-        for deviation in [1.5_f32, 2.0, 5.0] {
-            let reach = (2.5 * deviation).ceil() as usize;
-            for (step, [c0, c1, c2, c3]) in kernel(deviation, reach).into_iter().enumerate() {
-                for shift in [-0.5_f32, -0.3, 0.0, 0.25, 0.5] {
-                    let distance = step as f32 - reach as f32 + shift;
-                    let expected = (-0.5 * (distance / deviation).powi(2)).exp();
-                    let found = c0 + shift * (c1 + shift * (c2 + shift * c3));
-                    assert!(
-                        (found - expected).abs() < 2e-3,
-                        "{deviation} {distance}: {found} {expected}"
-                    );
-                }
-            }
-        }
-        let mut values: Values = std::array::from_fn(|i| i as f32 * 0.07);
-        let expected = values.map(|value| (1.0 + 39.9 * value).ln());
-        logarithms(39.9, &mut values);
-        for (value, expected) in values.iter().zip(expected) {
-            assert!((value - expected).abs() < 2e-6, "{value} {expected}");
         }
     }
 }
