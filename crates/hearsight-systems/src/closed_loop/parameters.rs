@@ -113,7 +113,7 @@ impl Default for Faces {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
-    /// Particles a person. Default 200.
+    /// Particles a person. Default 100; 200 were no better on 30 simulated heads and on a recording.
     pub particles: usize,
     /// Trackers, mixture, weights and feedback.
     pub fuser: FuserSettings,
@@ -162,7 +162,7 @@ pub struct Parameters {
 impl Default for Parameters {
     fn default() -> Self {
         Self {
-            particles: 200,
+            particles: 100,
             fuser: FuserSettings::default(),
             verifiers: Verifiers::default(),
             sound_rule: SoundRule::default(),

@@ -2,7 +2,7 @@
 
 use super::super::claim::{Claim, Report, Statement, Table, cell, mean_within, ratio_within, smaller};
 use super::super::trials::Results;
-use super::follow::{BIN_FRAMES, COLOUR, CONTOUR, EVENTS, FEWER, FUSED, OPEN, OURS, PRINTED, PRIOR, USUAL};
+use super::follow::{BIN_FRAMES, COLOUR, CONTOUR, EVENTS, FUSED, OPEN, OTHERS, OURS, PRINTED, PRIOR, USUAL};
 use super::meeting::{self, HEARD, SEEN};
 use super::{BEYOND, FOLLOW, MEETINGS, SIGN, sign};
 
@@ -38,7 +38,7 @@ fn owned(names: &[&str]) -> Vec<String> {
 fn table_of_following(results: &Results) -> Table {
     let names = [CONTOUR, COLOUR, FUSED, OPEN, PRINTED, OURS]
         .into_iter()
-        .chain(FEWER.map(|(name, _)| name))
+        .chain(OTHERS.map(|(name, _)| name))
         .chain(PRIOR.map(|(name, _)| name));
     let value = |name: &str, metric: &str| cell(&results.values(FOLLOW, metric, name), 2);
     let metrics = [
@@ -273,8 +273,9 @@ fn particles(results: &Results) -> Claim {
             })
             .map(|(_, count)| *count as f64)
     };
-    let mut mixture = FEWER.to_vec();
+    let mut mixture = OTHERS.to_vec();
     mixture.push((FUSED, USUAL));
+    mixture.sort_by_key(|(_, count)| *count);
     let seeds = results.values(FOLLOW, "lost", FUSED).len();
     let tried: Vec<(&'static str, usize)> = PRIOR
         .into_iter()

@@ -28,12 +28,12 @@ pub(super) const FUSED: &str = "fused";
 pub(super) const OPEN: &str = "fused, open loop";
 pub(super) const PRINTED: &str = "fused, eq. 8 printed";
 pub(super) const OURS: &str = "fused, beyond the paper";
-/// Fewer hypotheses from the trackers' mixture.
-pub(super) const FEWER: [(&str, usize); 4] = [
+/// Other numbers of hypotheses from the trackers' mixture.
+pub(super) const OTHERS: [(&str, usize); 4] = [
     ("fused 12", 12),
     ("fused 25", 25),
     ("fused 50", 50),
-    ("fused 100", 100),
+    ("fused 200", 200),
 ];
 /// Hypotheses from the transition prior, up to where the sheet's ratio is shown many times over: more cost minutes a seed.
 pub(super) const PRIOR: [(&str, usize); 7] = [
@@ -46,7 +46,7 @@ pub(super) const PRIOR: [(&str, usize); 7] = [
     ("prior 800", 800),
 ];
 /// Hypotheses of [`FUSED`].
-pub(super) const USUAL: usize = 200;
+pub(super) const USUAL: usize = 100;
 
 pub(super) fn variants() -> Vec<Variant> {
     let off = json!(false);
@@ -73,7 +73,7 @@ pub(super) fn variants() -> Vec<Variant> {
         variant(PRINTED, as_in_the_paper(&[("fuser.weights", json!("printed"))])),
         variant(OURS, json!({})),
     ];
-    for (name, count) in FEWER {
+    for (name, count) in OTHERS {
         variants.push(variant(name, as_in_the_paper(&[("particles", json!(count))])));
     }
     for (name, count) in PRIOR {
