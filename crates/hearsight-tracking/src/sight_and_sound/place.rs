@@ -170,40 +170,29 @@ impl Place {
         for (guess, share) in self.guesses.iter_mut().zip(shares) {
             guess.log_weight += (1.0 - probability + probability * share / mean.max(f64::MIN_POSITIVE)).ln();
         }
-        let best = self
-            .guesses
-            .iter()
-            .map(|guess| guess.log_weight)
-            .fold(f64::MIN, f64::max);
-        for guess in &mut self.guesses {
-            guess.log_weight = (guess.log_weight - best).max(LEAST_LOG_WEIGHT);
+        let logarithms = self.log_weights();
+        for (guess, logarithm) in self.guesses.iter_mut().zip(logarithms) {
+            guess.log_weight = logarithm.max(LEAST_LOG_WEIGHT);
         }
     }
 
     /// How far along a sight this person is by each guess, and the standard deviation, metres; and the logarithm of the
     /// guess's probability beside that of the best one.
     pub(super) fn ranges(&self, sight: &SightLine) -> [((f64, f64), f64); GUESSES] {
-        let best = self
-            .guesses
-            .iter()
-            .map(|guess| guess.log_weight)
-            .fold(f64::MIN, f64::max);
-        self.guesses
-            .each_ref()
-            .map(|guess| (guess.range(sight), guess.log_weight - best))
+        let logarithms = self.log_weights();
+        std::array::from_fn(|number| (self.guesses[number].range(sight), logarithms[number]))
+    }
+
+    /// The logarithm of the probability of each guess beside that of the best one.
+    fn log_weights(&self) -> [f64; GUESSES] {
+        let each = self.guesses.each_ref().map(|guess| guess.log_weight);
+        let best = each.iter().copied().fold(f64::MIN, f64::max);
+        each.map(|logarithm| logarithm - best)
     }
 
     /// The probability of each guess.
     fn weights(&self) -> [f64; GUESSES] {
-        let best = self
-            .guesses
-            .iter()
-            .map(|guess| guess.log_weight)
-            .fold(f64::MIN, f64::max);
-        let weights = self
-            .guesses
-            .each_ref()
-            .map(|guess| (guess.log_weight - best).exp());
+        let weights = self.log_weights().map(f64::exp);
         let sum: f64 = weights.iter().sum();
         weights.map(|weight| weight / sum)
     }
