@@ -53,6 +53,15 @@ pub(crate) const EXPERIMENT: Experiment = Experiment {
              the mean); of one person of one scene no face was found for half a minute",
         ),
         (
+            &["external"],
+            "away from the trap the paper's filter is on a fan as well: for 0.78 of the quiet time where there is no trap, 0.81 where \
+             there is one",
+        ),
+        (
+            &["product"],
+            "both follow the fans alike; without those that are louder than voices it was not measured",
+        ),
+        (
             &["walking"],
             "who turns away from the only camera has no face and loses the track; their sound is then taken for somebody else's who \
              stands in that direction (looked at in one scene: a third of the time of all people without a track within 0.6 m)",
