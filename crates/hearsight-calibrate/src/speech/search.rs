@@ -2,7 +2,7 @@
 //!
 //! It decides nothing: whether what is found is an answer is for [`super::calibrate`] to say.
 
-use super::sights::LONGEST_GAP;
+use super::sights::{LONGEST_GAP, around};
 use super::{HeardDelays, Sighting, SpeechSettings};
 use crate::least_squares::Problem;
 use hearsight_core::microphones::MicrophoneArray;
@@ -52,16 +52,7 @@ pub(super) fn moved(declared: &MicrophoneArray, unknowns: &[f64]) -> Option<Micr
 
 /// Where a mouth is between two sightings.
 fn between(person: &[Sighting], time: Instant) -> Option<(WorldPoint, Matrix3<f64>)> {
-    let after = person.partition_point(|sighting| sighting.time < time);
-    let last = person.get(after)?;
-    let Some(first) = after.checked_sub(1).map(|before| &person[before]) else {
-        return (last.time == time).then_some((last.mouth, last.covariance));
-    };
-    let gap = last.time - first.time;
-    if gap > LONGEST_GAP {
-        return None;
-    }
-    let part = (time - first.time).seconds() / gap.seconds().max(1e-9);
+    let (first, last, part) = around(person, time, |sighting| sighting.time)?;
     let place = first.mouth.0 + (last.mouth.0 - first.mouth.0) * part;
     Some((
         WorldPoint(place),

@@ -73,18 +73,22 @@ pub(super) fn tracks(sights: &[FaceSight]) -> Vec<Vec<FaceSight>> {
     sorted.chunk_by(same).map(<[FaceSight]>::to_vec).collect()
 }
 
+/// The two around a time, of those in order of time, and how far it is from the first to the second, 0 to 1; none where
+/// they are too far apart.
+pub(super) fn around<T>(all: &[T], time: Instant, of: impl Fn(&T) -> Instant) -> Option<(&T, &T, f64)> {
+    let after = all.partition_point(|one| of(one) < time);
+    let last = all.get(after)?;
+    let Some(first) = after.checked_sub(1).and_then(|before| all.get(before)) else {
+        return (of(last) == time).then_some((last, last, 0.0));
+    };
+    let gap = of(last) - of(first);
+    let part = (time - of(first)).seconds() / gap.seconds().max(1e-9);
+    (gap <= LONGEST_GAP).then_some((first, last, part))
+}
+
 /// A track between two of its sights.
 pub(super) fn between(track: &[FaceSight], time: Instant) -> Option<FaceSight> {
-    let after = track.partition_point(|sight| sight.time < time);
-    let last = track.get(after)?;
-    let Some(first) = after.checked_sub(1).and_then(|before| track.get(before)) else {
-        return (last.time == time).then_some(*last);
-    };
-    let gap = last.time - first.time;
-    if gap > LONGEST_GAP {
-        return None;
-    }
-    let part = (time - first.time).seconds() / gap.seconds().max(1e-9);
+    let (first, last, part) = around(track, time, |sight| sight.time)?;
     let mix = |one: f64, other: f64| one + (other - one) * part;
     let direction = first.ray.direction.lerp(&last.ray.direction, part);
     Some(FaceSight {
@@ -244,7 +248,6 @@ mod tests {
     fn the_lag_of_a_track_is_seen_by_faces_that_do_not_lag() {
         for late_s in [0.0, 0.12] {
             let lag = measure_lag(&followed(late_s), &found()).unwrap();
-            println!("{late_s}: {lag:?}");
             assert!((lag.lag_s - late_s).abs() < 0.01, "{lag:?}");
             assert!(
                 lag.deviation_s >= FACE_DEVIATION_S && lag.deviation_s < 0.03,

@@ -57,10 +57,7 @@ pub(crate) const EXPERIMENT: Experiment = Experiment {
             "away from the trap the paper's filter is on a fan as well: for 0.78 of the quiet time where there is no trap, 0.81 where \
              there is one",
         ),
-        (
-            &["product"],
-            "both follow the fans alike; without those that are louder than voices it was not measured",
-        ),
+        (&["product"], "not found out; probably both follow the fans alike"),
         (
             &["walking"],
             "who turns away from the only camera has no face and loses the track; their sound is then taken for somebody else's who \

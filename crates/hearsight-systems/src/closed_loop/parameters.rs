@@ -113,7 +113,7 @@ impl Default for Faces {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
-    /// Particles a person. Default 100; 200 were no better on 30 simulated heads and on a recording.
+    /// Particles a person. Default 100; 200 were no better on 28 simulated heads and a recording.
     pub particles: usize,
     /// Trackers, mixture, weights and feedback.
     pub fuser: FuserSettings,

@@ -30,20 +30,16 @@ pub(super) struct Guess {
 }
 
 impl Guess {
-    /// A person seen for the first time, whose face is `width_m` wide up to a share of `deviation`; none where the sight
-    /// says nothing of the distance. `box_deviation`: how far the box errs, as a share of its width.
+    /// A person seen for the first time, whose face is `width_m` wide up to a share of `deviation`. `box_deviation`: how
+    /// far the box errs, as a share of its width.
     pub(super) fn new(
         log_weight: f64,
         sight: &SightLine,
         (width_m, deviation): (f64, f64),
         box_deviation: f64,
-    ) -> Option<Self> {
+    ) -> Self {
         let range_m = width_m / sight.width_per_metre;
-        let known = SightLine {
-            range_m: Some((range_m, range_m * deviation.hypot(box_deviation))),
-            ..*sight
-        };
-        let estimate = known.estimate()?;
+        let estimate = sight.at_range((range_m, range_m * deviation.hypot(box_deviation)));
         let mut covariance = Matrix4::zeros();
         covariance
             .fixed_view_mut::<3, 3>(0, 0)
@@ -55,11 +51,11 @@ impl Guess {
             .fixed_view_mut::<1, 3>(WIDTH, 0)
             .copy_from(&shared.transpose());
         covariance[(WIDTH, WIDTH)] = deviation.powi(2);
-        Some(Self {
+        Self {
             log_weight,
             mean: estimate.mean.0.coords.push(width_m.ln()),
             covariance,
-        })
+        }
     }
 
     /// Where the mouth is.

@@ -72,13 +72,17 @@ impl SightLine {
 
     /// What the camera alone says of the place, where the width speaks for a distance.
     pub fn estimate(&self) -> Option<PointEstimate> {
-        let (range_m, deviation_m) = self.range_m?;
+        self.range_m.map(|range_m| self.at_range(range_m))
+    }
+
+    /// The place at a distance (mean and standard deviation, metres).
+    pub(super) fn at_range(&self, (range_m, deviation_m): (f64, f64)) -> PointEstimate {
         let along = self.along();
         let across = (self.deviation_rad * range_m).powi(2);
-        Some(PointEstimate {
+        PointEstimate {
             mean: self.ray.at(range_m),
             covariance: (Matrix3::identity() - along) * across + along * deviation_m.powi(2),
-        })
+        }
     }
 
     /// The projection on the ray's direction.

@@ -83,22 +83,13 @@ impl Place {
         let box_deviation = ((range_deviation_m / range_m).powi(2) - deviation.powi(2))
             .max(0.0)
             .sqrt();
-        let mut guesses = [None; GUESSES];
-        for (number, guess) in guesses.iter_mut().enumerate() {
+        let guesses = std::array::from_fn(|number| {
             let steps = STEP * (number as f64 - (GUESSES / 2) as f64);
             let width_m = width_m * (steps * deviation).exp();
             let log_weight = -0.5 * (steps / OF_GUESSES).powi(2);
-            *guess = Guess::new(log_weight, sight, (width_m, WITHIN * deviation), box_deviation);
-        }
-        let [first, ..] = guesses;
-        let mut all = [first?; GUESSES];
-        for (known, guess) in all.iter_mut().zip(guesses) {
-            *known = guess?;
-        }
-        Some(Self {
-            identity,
-            guesses: all,
-        })
+            Guess::new(log_weight, sight, (width_m, WITHIN * deviation), box_deviation)
+        });
+        Some(Self { identity, guesses })
     }
 
     /// Where the mouth is.
