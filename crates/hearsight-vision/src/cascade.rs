@@ -10,6 +10,7 @@
 pub mod detect;
 pub mod error;
 pub mod group;
+pub mod resize;
 pub mod window;
 
 mod evaluate;
@@ -20,7 +21,6 @@ mod parse;
 mod parse_new;
 mod parse_old;
 mod plan;
-mod resize;
 
 pub use detect::{CascadeDetector, DetectOptions, Detection, Mirror, Window};
 pub use error::CascadeError;

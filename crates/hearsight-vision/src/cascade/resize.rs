@@ -1,4 +1,4 @@
-//! Shrinking a grey picture exactly as OpenCV's `INTER_LINEAR_EXACT` does: bilinear, coefficients in 1/256, no rounding
+//! A grey picture at another size, exactly as OpenCV's `INTER_LINEAR_EXACT` does: bilinear, coefficients in 1/256, no rounding
 //! before the end. As nothing is rounded on the way, rows may be mixed before columns, which vectorizes.
 
 use hearsight_core::GrayView;
@@ -11,30 +11,30 @@ struct Between {
     share: u32,
 }
 
-/// Shrinks pictures, with the buffers that takes.
+/// Makes pictures smaller or larger, with the buffers that takes.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Resizer {
+pub struct Resizer {
     columns: Vec<Between>,
     rows: Vec<Between>,
     mixed: Vec<u16>,
 }
 
-/// Which pixels of a shrunk picture are wanted along one side.
+/// Which pixels of the resized picture are wanted along one side.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Range {
-    /// Pixels of the shrunk picture in all.
-    pub(crate) whole: usize,
+pub struct Range {
+    /// Pixels of the resized picture in all.
+    pub whole: usize,
     /// The first one wanted, which may lie between two or outside.
-    pub(crate) start: f64,
+    pub start: f64,
     /// How many are wanted.
-    pub(crate) count: usize,
+    pub count: usize,
     /// Whether the picture counts as turned end to end.
-    pub(crate) turned: bool,
+    pub turned: bool,
 }
 
 impl Resizer {
     /// Writes `picture` at the size `width x height` into `out`, if wanted turned left to right.
-    pub(crate) fn resize(
+    pub fn resize(
         &mut self,
         picture: GrayView<'_>,
         width: usize,
@@ -62,15 +62,9 @@ impl Resizer {
         }
     }
 
-    /// Writes a part of the shrunk picture into `out`; outside, the border's pixels are repeated. Nothing is written
+    /// Writes a part of the resized picture into `out`; outside, the border's pixels are repeated. Nothing is written
     /// where either size is zero.
-    pub(crate) fn resize_part(
-        &mut self,
-        picture: GrayView<'_>,
-        across: Range,
-        down: Range,
-        out: &mut Vec<u8>,
-    ) {
+    pub fn resize_part(&mut self, picture: GrayView<'_>, across: Range, down: Range, out: &mut Vec<u8>) {
         out.clear();
         out.resize(across.count * down.count, 0);
         if out.is_empty() || picture.data.is_empty() {

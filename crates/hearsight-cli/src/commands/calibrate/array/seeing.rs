@@ -7,6 +7,7 @@ use hearsight::core::room::Room;
 use hearsight::core::{GrayView, Instant, Moment, VideoFrame};
 use hearsight::tracking::percepts::FaceWindowSettings;
 use hearsight::tracking::sight_and_sound::{AssociationSettings, SightLine};
+use hearsight::vision::cascade::resize::{Range, Resizer};
 use hearsight::vision::cascade::{Cascade, CascadeDetector, DetectOptions};
 
 /// The height of a mouth in the box of a head.
@@ -25,6 +26,7 @@ const SIZES: (f64, f64) = (0.8, 1.6);
 /// Collects lines of sight.
 pub(super) struct Seeing {
     detector: Option<CascadeDetector>,
+    resizer: Resizer,
     enlarged: Vec<u8>,
     /// Heads, as they are followed.
     pub(super) followed: Vec<FaceSight>,
@@ -41,6 +43,7 @@ impl Seeing {
             cascade.and_then(|cascade| CascadeDetector::new(cascade, DetectOptions::default()).ok());
         Self {
             detector,
+            resizer: Resizer::default(),
             enlarged: Vec::new(),
             followed: Vec::new(),
             found: Vec::new(),
@@ -88,7 +91,15 @@ impl Seeing {
         }
         let times = (WIDE_PX / head.width).max(1.0);
         let size = [right - left, bottom - top].map(|length| (length * times) as usize);
-        enlarge(frame.luma_view(), (left, top), times, size, &mut self.enlarged);
+        let side = |whole: f64, start: f64, count: usize| Range {
+            whole: (whole * times).round() as usize,
+            start: start * times,
+            count,
+            turned: false,
+        };
+        let (across, down) = (side(width, left, size[0]), side(height, top, size[1]));
+        self.resizer
+            .resize_part(frame.luma_view(), across, down, &mut self.enlarged);
         let limit = |share: f64| {
             let side = (share * head.width * times).round() as u32;
             (side, side)
@@ -103,29 +114,6 @@ impl Seeing {
             width: scaled(face.width),
             height: scaled(face.height),
         })
-    }
-}
-
-/// A part of a picture from `from` on, `times` as large, by straight lines between pixels.
-fn enlarge(picture: GrayView<'_>, from: (f64, f64), times: f64, size: [usize; 2], enlarged: &mut Vec<u8>) {
-    enlarged.clear();
-    let between = |from: f64, at: usize, most: usize| {
-        let place = (from + (at as f64 + 0.5) / times - 0.5).clamp(0.0, most.saturating_sub(1) as f64);
-        let first = place.floor() as usize;
-        (
-            first,
-            (first + 1).min(most.saturating_sub(1)),
-            place - place.floor(),
-        )
-    };
-    for row in 0..size[1] {
-        let (above, below, down) = between(from.1, row, picture.height);
-        let (above, below) = (picture.row(above), picture.row(below));
-        for column in 0..size[0] {
-            let (left, right, along) = between(from.0, column, picture.width);
-            let mix = |row: &[u8]| f64::from(row[left]) * (1.0 - along) + f64::from(row[right]) * along;
-            enlarged.push((mix(above) * (1.0 - down) + mix(below) * down).round() as u8);
-        }
     }
 }
 
@@ -169,33 +157,5 @@ impl Line<'_> {
             deviation_rad: line.deviation_rad,
             range_m: line.range_m,
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_part_is_enlarged_where_it_is() {
-        let ramp: Vec<u8> = (0..20_u8)
-            .flat_map(|row| (0..30_u8).map(move |column| 4 * column + row))
-            .collect();
-        let picture = GrayView::new(30, 20, &ramp).unwrap();
-        let mut enlarged = Vec::new();
-        enlarge(picture, (5.0, 3.0), 2.0, [12, 8], &mut enlarged);
-        assert_eq!(enlarged.len(), 96);
-        // The middle of the fifth pixel of the part, half a pixel along and a quarter down from those around it.
-        for (at, column, row) in [(0, 4.75, 2.75), (4 * 12 + 5, 7.25, 4.75)] {
-            let expected: f64 = 4.0 * column + row;
-            assert!(
-                (f64::from(enlarged[at]) - expected).abs() <= 0.5,
-                "{} {expected}",
-                enlarged[at]
-            );
-        }
-        let mut same = Vec::new();
-        enlarge(picture, (0.0, 0.0), 1.0, [30, 20], &mut same);
-        assert_eq!(same, ramp);
     }
 }
